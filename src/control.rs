@@ -1,0 +1,70 @@
+//! Speed controllers. One file per law in `control/`, one line each in [`CONTROLLERS`].
+//!
+//! A controller works on one block of vehicles. In every control period the fleet calls [`Controller::command`] with
+//! what was measured and wanted, sends the torque through the actuators (limits, dead time, lag), and calls
+//! [`Controller::feedback`] with what became of it.
+
+use crate::lanes::Lanes;
+
+/// What a controller sees in one control period.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Observation {
+    /// Measured speed y (with noise, if any) [m/s].
+    pub measured_mps: Lanes,
+    /// Reference speed y_r at the same instant [m/s].
+    pub reference_mps: Lanes,
+    /// Its rate ẏ_r [m/s²].
+    pub reference_rate_mps2: Lanes,
+    /// Torque that accelerates the *nominal* vehicle at 1 m/s², M·r of the body's preset [N·m per m/s²]. The actual
+    /// mass of a vehicle may differ; the controller never learns it.
+    pub nominal_nm_per_mps2: Lanes,
+}
+
+/// What a controller asks for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Command {
+    /// Sum of wheel torques C_T, positive drives, negative brakes [N·m].
+    pub torque_nm: Lanes,
+    /// dv/dC_T, with v = α̂u the input of the ultra-local model ẏ = F + v [m/s² per N·m]. The actuators carry the
+    /// product v alongside the torque, so that a delayed u is never multiplied by a later α̂.
+    pub gain_mps2_per_nm: Lanes,
+}
+
+/// What became of the last command.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Actuation {
+    /// v of the torque asked for [m/s²].
+    pub commanded_mps2: Lanes,
+    /// v of that torque within the actuator's limits, not delayed [m/s²].
+    pub saturated_mps2: Lanes,
+    /// v of the torque that acts on the wheels now: limited, delayed, lagged [m/s²].
+    pub applied_mps2: Lanes,
+}
+
+/// A speed controller for one block of vehicles.
+pub trait Controller: Send {
+    /// Computes the torques of this control period.
+    fn command(&mut self, observation: &Observation, command: &mut Command);
+
+    /// Takes note of what the actuators made of the last command.
+    fn feedback(&mut self, actuation: &Actuation);
+
+    /// Starts a slot afresh: a new vehicle at `speed_mps`, or one that has come to rest (0). The estimator's window is
+    /// filled with this speed and zero input, α̂ is nominal.
+    fn reset(&mut self, slot: usize, speed_mps: f64);
+
+    /// α̂/α_nominal of a slot; 1 for laws without adaptation.
+    fn alpha_ratio(&self, _slot: usize) -> f64 {
+        1.0
+    }
+
+    /// F̂ of a slot [m/s²]; 0 for laws without an estimate.
+    fn f_hat_mps2(&self, _slot: usize) -> f64 {
+        0.0
+    }
+
+    /// True if the vehicle takes the reference speed as it is, without body or torque (`ideal`).
+    fn is_ideal(&self) -> bool {
+        false
+    }
+}

@@ -1,0 +1,27 @@
+//! `sumo_mfc` gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller.
+//!
+//! # Floors
+//! A module ("room") is a door file `src/control.rs` with its interior in `src/control/`. A room imports only from
+//! lower floors; `tests/tidy.rs` holds the code to it.
+//! ```text
+//! 6  main                                      the command line
+//! 5  compare  paper  report                    many runs; the paper's experiments; tables and plots
+//! 4  run                                       one scenario -> one result
+//! 3  cosim                                     fleet <-> SUMO: the coupling contract
+//! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
+//! 1  fleet                                     the closed loop on columns; where floor-0 rooms meet
+//! 0  plant control reference traci output stats   and the common ground: keys lanes registry random
+//! ```
+//! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
+
+pub mod control;
+pub mod keys;
+pub mod lanes;
+pub mod output;
+pub mod plant;
+pub mod random;
+pub mod reference;
+pub mod registry;
+pub mod scenario;
+pub mod stats;
+pub mod traci;
