@@ -317,3 +317,35 @@ fn default_tuning_tracks_stop_and_go() {
         assert!(saturated > 2.0 * applied, "{name}: {saturated} against {applied}");
     }
 }
+
+/// Overshoots in per cent of 10 m/s from rest and of 20 m/s from s = 100 m, on a point mass with the inertia of four wheels.
+fn step_overshoots(name: &str) -> [f64; 2] {
+    let (period_s, limit) = (0.001, 4.0 * NOMINAL);
+    let entry = find("controller", CONTROLLERS, name).unwrap();
+    let values =
+        Values::defaults(entry.keys).with("accel_per_unit_mps2", number(0.4)).with("input_estimate", text("commanded"));
+    let mut controller = (entry.build)(&values, period_s);
+    let (mut s, mut y, mut overshoot) = (0.0, 0.0, [0.0_f64; 2]);
+    while s < 600.0 {
+        let (step, reference) = if s < 100.0 { (0, 10.0) } else { (1, 20.0) };
+        let mut command = Command::default();
+        controller.command(&observe(y, reference, 0.0), &mut command);
+        controller.feedback(&perfect(&command));
+        let accel = command.torque_nm[0].clamp(-limit, limit) / 0.3 / (1719.0 + 4.0 / 0.09);
+        s += (y + 0.5 * accel * period_s) * period_s;
+        y += accel * period_s;
+        overshoot[step] = overshoot[step].max(100.0 * (y - reference) / reference);
+    }
+    overshoot
+}
+
+#[test]
+fn val_overshoots_of_the_step_test_are_the_published_ones() {
+    // Polack et al. 2017, Section 5.1; b, K_P = 1, Δt and the torque limit are ours, the paper does not give them.
+    for (name, published, bounds) in [("classic", [19.5, 9.5], [1.0, 0.7]), ("adaptive", [8.0, 3.9], [0.7, 0.5])] {
+        let overshoots = step_overshoots(name);
+        for i in 0..2 {
+            assert!((overshoots[i] - published[i]).abs() < bounds[i], "{name}: {overshoots:?} for {published:?}");
+        }
+    }
+}
