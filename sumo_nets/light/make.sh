@@ -13,7 +13,7 @@ cat > light.con.xml <<'XML'
 XML
 cat > light.tll.xml <<'XML'
 <tlLogics>
-    <tlLogic id="tl" type="static" programID="0" offset="0"><phase duration="120" state="r"/><phase duration="600" state="G"/></tlLogic>
+    <tlLogic id="tl" type="static" programID="0" offset="0"><phase duration="120" state="r"/><phase duration="600" state="G"/><phase duration="3" state="y"/></tlLogic>
     <connection from="before" to="after" fromLane="0" toLane="0" tl="tl" linkIndex="0"/>
 </tlLogics>
 XML
