@@ -21,7 +21,7 @@ use crate::lanes::{Flags, LANES, Lanes};
 use kernel::Window;
 pub use overshoot::{Overshoot, RISE_MPS};
 
-/// Length over which accelerations are averaged [s].
+/// Length over which accelerations are averaged \[s\].
 pub const WINDOW_S: f64 = 0.5;
 
 /// The end of one control period of a block.
@@ -132,7 +132,7 @@ pub struct StatsBlock {
 }
 
 impl StatsBlock {
-    /// Empty statistics for control periods of `period_s` [s].
+    /// Empty statistics for control periods of `period_s` \[s\].
     pub fn new(period_s: f64) -> Self {
         const ZERO: Lanes = [0.0; LANES];
         Self {
