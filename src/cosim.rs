@@ -17,16 +17,17 @@ pub mod bodies;
 pub mod book;
 pub mod lead;
 pub mod newcomers;
-pub mod self_check;
+
 pub mod state;
 
 use crate::fleet::block::Follow;
 use crate::fleet::{Clockwork, GroupSetup};
-use crate::reference::profile::Profile;
+use crate::output::Reason;
+use crate::reference::Target;
 use crate::registry::UnknownName;
 use crate::scenario::{Group, Selector};
 use crate::traci::{self, Batch, Client, Domain};
-use book::{EgoKey, Presence, Reason};
+use book::{EgoKey, Presence};
 use newcomers::TypeBook;
 use state::State;
 
@@ -81,16 +82,6 @@ pub enum CosimError {
     },
 }
 
-/// Where a group's target speed comes from.
-pub enum Mode {
-    /// SUMO's own choice.
-    Traffic,
-    /// The limit of the lane.
-    Limit,
-    /// A profile.
-    Profile(Box<Profile>),
-}
-
 /// Ways to get the coupling wrong, so that the self-check can be shown to notice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fault {
@@ -109,8 +100,8 @@ pub enum Fault {
 pub struct WorldSetup {
     /// The scenario's groups; the first whose selector matches takes a vehicle.
     pub groups: Vec<Group>,
-    /// The mode of each group.
-    pub modes: Vec<Mode>,
+    /// The target of each group.
+    pub targets: Vec<Target>,
     /// How each group's blocks are made.
     pub blocks: Vec<GroupSetup>,
     /// Which vehicles may become egos at all.
@@ -149,7 +140,7 @@ impl World {
         use variable::{ARRIVED, COLLIDING, DEPARTED, EXPECTED, TELEPORT_START, TIME};
         let step_s = client.get(traci::simulation::STEP_LENGTH, "").await?;
         let time_s = client.get(traci::simulation::TIME, "").await?;
-        let mut state = State::new(setup.clockwork, setup.blocks, setup.modes, step_s, time_s)?;
+        let mut state = State::new(setup.clockwork, setup.blocks, setup.targets, step_s, time_s)?;
         let mut batch = Batch::new();
         let events = [TIME, DEPARTED, ARRIVED, TELEPORT_START, COLLIDING, EXPECTED];
         batch.subscribe(Domain::Simulation, "", &events, time_s)?;

@@ -15,6 +15,7 @@
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
 pub mod control;
+pub mod cosim;
 pub mod fleet;
 pub mod keys;
 pub mod lanes;

@@ -13,37 +13,6 @@ pub enum Presence {
     Teleporting,
 }
 
-/// Why a vehicle's record ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reason {
-    /// It reached the end of its route.
-    Arrived,
-    /// The run ended first.
-    Running,
-    /// Another client, or SUMO, took it out.
-    Removed,
-    /// It left the network while SUMO carried it.
-    TeleportedOut,
-    /// Its body's state is no longer finite.
-    Diverged,
-    /// The run broke off.
-    Incomplete,
-}
-
-impl Reason {
-    /// The word in `vehicles.csv`.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Arrived => "arrived",
-            Self::Running => "running",
-            Self::Removed => "removed",
-            Self::TeleportedOut => "teleported_out",
-            Self::Diverged => "diverged",
-            Self::Incomplete => "incomplete",
-        }
-    }
-}
-
 /// What was changed on a vehicle whose plant leads, to be restored at hand-back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Before {

@@ -6,7 +6,8 @@
 
 use super::bodies::{self, TypeFacts, parameter_keys, parameter_names, preset_of_class};
 use super::book::{Before, Ego, EgoKey, Lead, Presence};
-use super::{CosimError, Mode, World};
+use super::{CosimError, World};
+use crate::reference::Target;
 use crate::random::Stream;
 use crate::scenario::EgoInfo;
 use crate::traci::{Batch, Handle, Prefix, Reply, vehicle, vehicletype};
@@ -67,7 +68,7 @@ impl World {
 
     async fn ask_vehicles(&mut self) -> Result<Vec<Facts>, CosimError> {
         self.batch.clear();
-        let leads = self.state.modes.iter().any(|m| !matches!(m, Mode::Traffic));
+        let leads = self.state.targets.iter().any(|t| !matches!(t, Target::Traffic));
         let mut asked = Vec::with_capacity(self.state.waiting.len());
         for id in std::mem::take(&mut self.state.waiting) {
             match Prefix::new(&id) {
@@ -147,7 +148,7 @@ impl World {
             bodies::vehicle(&vehicle.id, facts, &vehicle.parameters, &self.groups[group], self.seed, speed_mps)?;
         let state = &mut self.state;
         let slot = state.fleet.admit(group, setup);
-        let leads = !matches!(state.modes[group], Mode::Traffic);
+        let leads = !matches!(state.targets[group], Target::Traffic);
         let (before, lane) = vehicle.lead.filter(|_| leads).unzip();
         let lead = before.map(|before| Lead { before, limit_mps: speed_mps, command_mps: speed_mps, clamp_mps: None });
         if let Some(lane) = &lane

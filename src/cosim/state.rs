@@ -1,10 +1,12 @@
 //! What the replies say, slot by slot, and the fleet that follows them: departures, arrivals, teleports, clamps,
 //! odometers, roads and collisions.
 
-use super::book::{Book, Ego, EgoKey, Presence, Reason};
-use super::{CosimError, Mode, variable};
+use super::book::{Book, Ego, EgoKey, Presence};
+use super::{CosimError, variable};
 use crate::fleet::block::{Bound, Follow};
 use crate::fleet::{Clockwork, Fleet, GroupSetup};
+use crate::output::Reason;
+use crate::reference::Target;
 use crate::stats::{Sums, VehicleStats};
 use crate::traci::{Block, Domain, Reply};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -54,6 +56,14 @@ impl Roads {
         index
     }
 
+    fn add(&mut self, road: u32, more: &Sums) {
+        let sums = &mut self.sums[road as usize];
+        sums.samples += more.samples;
+        sums.error_mps += more.error_mps;
+        sums.error_squared += more.error_squared;
+        sums.speed_mps += more.speed_mps;
+    }
+
     /// Roads and their sums, in no particular order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &Sums)> {
         self.index.iter().map(|(name, index)| (name.as_str(), &self.sums[*index as usize]))
@@ -88,7 +98,7 @@ pub struct State {
     pub arrived: u64,
     /// Teleports that started.
     pub teleports: u64,
-    pub(super) modes: Vec<Mode>,
+    pub(super) targets: Vec<Target>,
     /// Departed vehicles that are not decided on yet.
     pub(super) waiting: Vec<String>,
     pub(super) unknown_lanes: Vec<String>,
@@ -113,7 +123,7 @@ impl State {
     pub fn new(
         clockwork: Clockwork,
         blocks: Vec<GroupSetup>,
-        modes: Vec<Mode>,
+        targets: Vec<Target>,
         step_s: f64,
         time_s: f64,
     ) -> Result<Self, CosimError> {
@@ -136,7 +146,7 @@ impl State {
             departed: 0,
             arrived: 0,
             teleports: 0,
-            modes,
+            targets,
             waiting: Vec::new(),
             unknown_lanes: Vec::new(),
             lane_limits_mps: HashMap::new(),
@@ -310,15 +320,15 @@ impl State {
 
     /// Leaders drive the coming step: the body first, SUMO after it.
     pub(super) fn advance_leaders(&mut self) {
-        if self.modes.iter().all(|m| matches!(m, Mode::Traffic)) {
+        if self.targets.iter().all(|t| matches!(t, Target::Traffic)) {
             return;
         }
         for key in self.book.keys().to_vec() {
             let ego = &mut self.book[key];
             let Some(lead) = &ego.lead else { continue };
             let block = self.fleet.block_mut(ego.slot);
-            let (limit_mps, bound) = match &self.modes[ego.group] {
-                Mode::Profile(_) => (f64::INFINITY, Bound::Profile),
+            let (limit_mps, bound) = match &self.targets[ego.group] {
+                Target::Profile(_) => (f64::INFINITY, Bound::Profile),
                 _ => (lead.limit_mps * lead.before.speed_factor, Bound::Limit),
             };
             match lead.clamp_mps {
@@ -326,11 +336,11 @@ impl State {
                 _ => block.set_target(ego.slot.lane(), limit_mps, bound),
             }
         }
-        for (group, mode) in self.modes.iter().enumerate() {
-            let follow = match mode {
-                Mode::Traffic => continue,
-                Mode::Limit => Follow::Target,
-                Mode::Profile(profile) => Follow::Profile(profile),
+        for (group, target) in self.targets.iter().enumerate() {
+            let follow = match target {
+                Target::Traffic => continue,
+                Target::Limit => Follow::Target,
+                Target::Profile(profile) => Follow::Profile(profile),
             };
             self.fleet.advance(self.periods, |b| b.group() == group, follow);
         }
@@ -346,8 +356,8 @@ impl State {
 
     /// Followers drive the step that SUMO has just done, towards the speed that it chose.
     pub(super) fn advance_followers(&mut self, follow: Follow) {
-        let modes = &self.modes;
-        self.fleet.advance(self.periods, |b| matches!(modes[b.group()], Mode::Traffic), follow);
+        let targets = &self.targets;
+        self.fleet.advance(self.periods, |b| matches!(targets[b.group()], Target::Traffic), follow);
         self.fleet.close_step();
         let sound = |ego: &Ego| self.fleet.block(ego.slot).is_sound(ego.slot.lane());
         let broken: Vec<EgoKey> = self.book.keys().iter().copied().filter(|k| !sound(&self.book[*k])).collect();
@@ -369,7 +379,7 @@ impl State {
                 let sums = block.take_sums(lane);
                 let edge = self.roads.index(road);
                 ego.edge = Some(edge);
-                self.roads.sums[edge as usize].add(&sums);
+                self.roads.add(edge, &sums);
             }
         }
     }
@@ -404,7 +414,7 @@ impl State {
         let distance_m = block.distance_m(ego.slot.lane());
         if let Some(edge) = ego.edge {
             let sums = block.take_sums(ego.slot.lane());
-            self.roads.sums[edge as usize].add(&sums);
+            self.roads.add(edge, &sums);
         }
         let stats = self.fleet.release(ego.slot);
         self.finished.push(Finished {

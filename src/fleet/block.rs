@@ -7,7 +7,7 @@ use crate::control::{Actuation, Command, Controller, Observation};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
 use crate::plant::{Actuators, Inputs, PlantBlock, State};
-use crate::reference::profile::Profile;
+use crate::reference::Profile;
 use crate::stats::{Sample, StatsBlock, StepSample, Sums, VehicleStats};
 
 /// Slower than this and wanted at rest: the brake holds and all states are exactly 0 [m/s].
