@@ -1,0 +1,328 @@
+//! The exchange with a running SUMO: one write, one read.
+
+use std::fmt;
+use std::io::{Error as IoError, ErrorKind, IoSlice};
+use std::ops::Range;
+use std::time::Duration;
+
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::tcp::{ReadHalf, WriteHalf};
+use tokio::net::{TcpStream, ToSocketAddrs};
+use tokio::time::{Instant, sleep, timeout};
+
+use super::batch::Batch;
+use super::error::Error;
+use super::reply::{Index, Reply};
+use super::typed::{Domain, FromValue, Shape, Var};
+use super::wire::{DecodeError, frame_length};
+
+/// The buffer for replies begins at this size [bytes] and grows as needed; a wrong length cannot make it grow ahead of
+/// the bytes that really come.
+const INBOX_BYTES: usize = 1 << 16;
+/// Pause between attempts to connect while SUMO is starting.
+const RETRY: Duration = Duration::from_millis(5);
+
+/// What SUMO says about itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SumoVersion {
+    /// TraCI's API number: 20 up to 1.18, 21 up to 1.22, then 22. Too coarse to decide by.
+    pub api: i32,
+    /// Full text, for example "SUMO 1.28.0".
+    pub text: String,
+    /// Major, minor, patch; 0 where the text has none.
+    pub number: (u32, u32, u32),
+}
+
+impl SumoVersion {
+    /// The oldest SUMO that is supported.
+    pub const MINIMUM: (u32, u32, u32) = (1, 15, 0);
+
+    /// Reads the version out of SUMO's text: "SUMO 1.28.0", "SUMO v1_27_0+0123-0a1b2c3d4e5".
+    #[must_use]
+    pub fn parse(api: i32, text: &str) -> Self {
+        let start = text.find(|c: char| c.is_ascii_digit()).unwrap_or(text.len());
+        let digits =
+            text[start..].split(|c: char| c == '+' || c == '-' || c.is_whitespace()).next().unwrap_or_default();
+        let mut parts = digits.split(['.', '_']).map(|part| part.parse().unwrap_or(0));
+        let mut next = || parts.next().unwrap_or(0);
+        Self { api, text: text.to_owned(), number: (next(), next(), next()) }
+    }
+
+    /// True for this release and all later ones.
+    #[must_use]
+    pub fn at_least(&self, major: u32, minor: u32) -> bool {
+        self.number >= (major, minor, 0)
+    }
+}
+
+impl fmt::Display for SumoVersion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text)
+    }
+}
+
+/// A connection to SUMO. Every call ends within the client's timeout; after an error that is not a refusal the
+/// connection is finished.
+#[derive(Debug)]
+pub struct Client {
+    stream: TcpStream,
+    inbox: Vec<u8>,
+    indices: [Index; 2],
+    single: Batch,
+    version: SumoVersion,
+    timeout: Duration,
+    finished: bool,
+}
+
+impl Client {
+    /// Connects to a SUMO that runs or is about to: tries until `limit` has passed, which must cover the loading of the
+    /// network. Connected is not ready; the answer to the first request is, so that is awaited too. `limit` is also the
+    /// timeout of later calls until [`Client::set_timeout`] changes it.
+    ///
+    /// # Errors
+    /// [`Error::Connect`] if nobody listens, [`Error::Disconnected`] if SUMO ends while loading, [`Error::TooOld`],
+    /// [`Error::Timeout`].
+    pub async fn connect(address: impl ToSocketAddrs + fmt::Display, limit: Duration) -> Result<Self, Error> {
+        let deadline = Instant::now() + limit;
+        loop {
+            match timeout(limit, TcpStream::connect(&address)).await {
+                Ok(Ok(stream)) => return Self::greet(stream, deadline, limit).await,
+                Ok(Err(_)) if Instant::now() < deadline => sleep(RETRY).await,
+                Ok(Err(source)) => return Err(Error::Connect { address: address.to_string(), source }),
+                Err(_) => return Err(Error::Timeout { after: limit }),
+            }
+        }
+    }
+
+    /// Takes over a fresh connection and waits until SUMO is ready.
+    async fn greet(stream: TcpStream, deadline: Instant, limit: Duration) -> Result<Self, Error> {
+        stream.set_nodelay(true).map_err(Error::Disconnected)?;
+        let mut client = Self {
+            stream,
+            inbox: Vec::with_capacity(INBOX_BYTES),
+            indices: [Index::default(), Index::default()],
+            single: Batch::new(),
+            version: SumoVersion::parse(0, ""),
+            timeout: deadline.saturating_duration_since(Instant::now()).max(RETRY),
+            finished: false,
+        };
+        let mut batch = Batch::new();
+        batch.version()?;
+        let reply = client.exchange(&batch).await?;
+        let (api, text) = reply.version()?.ok_or(DecodeError { offset: 4, what: "no version" })?;
+        client.version = SumoVersion::parse(api, text);
+        client.timeout = limit;
+        tracing::debug!(version = %client.version, api, "connected to SUMO");
+        if client.version.number < SumoVersion::MINIMUM {
+            return Err(Error::TooOld { found: client.version });
+        }
+        Ok(client)
+    }
+
+    /// The version of the SUMO at the other end.
+    #[must_use]
+    pub fn version(&self) -> &SumoVersion {
+        &self.version
+    }
+
+    /// Sets the time any later call may take.
+    pub fn set_timeout(&mut self, limit: Duration) {
+        self.timeout = limit;
+    }
+
+    /// Sends a batch and gives the reply: one write, one read into a buffer that is reused. Nothing is allocated once
+    /// the buffers have grown. Declined commands are data in the reply, not an error.
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::Timeout`], [`Error::Disconnected`], [`Error::Decode`]; the last three, and dropping
+    /// the future midway, finish the connection.
+    pub async fn exchange(&mut self, batch: &Batch) -> Result<Reply<'_>, Error> {
+        let [end, _] = self.transfer(batch, None).await?;
+        Ok(self.indices[0].reply(&self.inbox[..end]))
+    }
+
+    /// Sends two batches in one write and gives both replies with one wait. SUMO works on the second after the first,
+    /// so gets in the second see the state after a step in the first.
+    ///
+    /// # Errors
+    /// As [`Client::exchange`].
+    pub async fn exchange_pipelined(&mut self, first: &Batch, second: &Batch) -> Result<(Reply<'_>, Reply<'_>), Error> {
+        let [middle, end] = self.transfer(first, Some(second)).await?;
+        let [one, two] = &self.indices;
+        Ok((one.reply(&self.inbox[..middle]), two.reply(&self.inbox[middle..end])))
+    }
+
+    async fn transfer(&mut self, first: &Batch, second: Option<&Batch>) -> Result<[usize; 2], Error> {
+        if self.finished {
+            return Err(Error::Finished);
+        }
+        if first.is_empty() || second.is_some_and(Batch::is_empty) {
+            return Err(Error::Empty);
+        }
+        // Until everything has gone well: a half-read answer must never be taken for the answer to the next batch.
+        self.finished = true;
+        self.inbox.clear();
+        let frames = 1 + usize::from(second.is_some());
+        let (rx, tx) = self.stream.split();
+        let write = write_all(tx, first.bytes(), second.map_or(&[], Batch::bytes));
+        let read = read_frames(rx, &mut self.inbox, frames);
+        let both = async { tokio::try_join!(write, read) };
+        let ((), ends) = timeout(self.timeout, both).await.map_err(|_| Error::Timeout { after: self.timeout })??;
+        self.indices[0].fill(&self.inbox[..ends[0]], first.expected())?;
+        if let Some(second) = second {
+            self.indices[1].fill(&self.inbox[ends[0]..ends[1]], second.expected())?;
+        }
+        self.finished = false;
+        Ok(ends)
+    }
+
+    /// Sends a batch with one command built by `build`, and fails if SUMO declines it.
+    async fn single<R>(&mut self, build: impl FnOnce(&mut Batch) -> Result<R, Error>) -> Result<(R, Reply<'_>), Error> {
+        let mut batch = std::mem::take(&mut self.single);
+        batch.clear();
+        let built = build(&mut batch);
+        let sent = match built {
+            Ok(built) => self.transfer(&batch, None).await.map(|ends| (built, ends)),
+            Err(error) => Err(error),
+        };
+        self.single = batch;
+        let (built, [end, _]) = sent?;
+        let reply = self.indices[0].reply(&self.inbox[..end]);
+        match reply.refusals().next() {
+            Some((_, refusal)) => Err(Error::refused(refusal)),
+            None => Ok((built, reply)),
+        }
+    }
+
+    /// Reads one variable of the object `id`.
+    ///
+    /// # Errors
+    /// As [`Client::exchange`] and [`Reply::get`].
+    pub async fn get<T: FromValue, S>(&mut self, variable: Var<T, S>, id: &str) -> Result<T, Error> {
+        self.get_with(variable, id, ()).await
+    }
+
+    /// Reads one variable that takes a parameter.
+    ///
+    /// # Errors
+    /// As [`Client::get`].
+    pub async fn get_with<T: FromValue, S, P: Shape>(
+        &mut self,
+        variable: Var<T, S, P>,
+        id: &str,
+        parameter: P::Arg<'_>,
+    ) -> Result<T, Error> {
+        let (handle, reply) = self.single(|batch| Ok(batch.get_with(variable, id, parameter)?)).await?;
+        reply.get(handle)
+    }
+
+    /// Sets one variable of the object `id`.
+    ///
+    /// # Errors
+    /// As [`Client::exchange`], and [`Error::Refused`].
+    pub async fn set<T, S: Shape, P>(
+        &mut self,
+        variable: Var<T, S, P>,
+        id: &str,
+        value: S::Arg<'_>,
+    ) -> Result<(), Error> {
+        self.single(|batch| Ok(batch.set(variable, id, value)?)).await.map(|_| ())
+    }
+
+    /// Subscribes to variables of an object from `begin_s` = the present simulation time [s] on; see
+    /// [`Batch::subscribe`]. The reply holds the present values.
+    ///
+    /// # Errors
+    /// As [`Client::set`].
+    pub async fn subscribe(
+        &mut self,
+        domain: Domain,
+        id: &str,
+        variables: &[u8],
+        begin_s: f64,
+    ) -> Result<(Range<usize>, Reply<'_>), Error> {
+        self.single(|batch| Ok(batch.subscribe(domain, id, variables, begin_s)?)).await
+    }
+
+    /// Ends all subscriptions of an object.
+    ///
+    /// # Errors
+    /// As [`Client::set`].
+    pub async fn unsubscribe(&mut self, domain: Domain, id: &str) -> Result<(), Error> {
+        self.single(|batch| Ok(batch.unsubscribe(domain, id)?)).await.map(|_| ())
+    }
+
+    /// Makes one simulation step; the reply holds the subscribed values.
+    ///
+    /// # Errors
+    /// As [`Client::set`].
+    pub async fn step(&mut self) -> Result<Reply<'_>, Error> {
+        self.single(|batch| Ok(batch.step()?)).await.map(|(_, reply)| reply)
+    }
+
+    /// Steps until the simulation time is at least `time_s` [s].
+    ///
+    /// # Errors
+    /// As [`Client::set`].
+    pub async fn step_until(&mut self, time_s: f64) -> Result<Reply<'_>, Error> {
+        self.single(|batch| Ok(batch.step_until(time_s)?)).await.map(|(_, reply)| reply)
+    }
+
+    /// Tells SUMO this client's place among several. With `--num-clients` above 1 it must come before everything else,
+    /// and SUMO serves nobody until all clients are connected.
+    ///
+    /// # Errors
+    /// As [`Client::set`].
+    pub async fn set_order(&mut self, order: i32) -> Result<(), Error> {
+        self.single(|batch| Ok(batch.order(order)?)).await.map(|_| ())
+    }
+
+    /// Ends the session; SUMO completes its outputs and ends with code 0.
+    ///
+    /// # Errors
+    /// As [`Client::set`].
+    pub async fn close(mut self) -> Result<(), Error> {
+        self.single(|batch| Ok(batch.close()?)).await.map(|_| ())
+    }
+}
+
+/// Writes both messages, with one system call if the socket takes them.
+async fn write_all(mut tx: WriteHalf<'_>, first: &[u8], second: &[u8]) -> Result<(), Error> {
+    let mut slices = [IoSlice::new(first), IoSlice::new(second)];
+    let mut left = &mut slices[..];
+    IoSlice::advance_slices(&mut left, 0);
+    while !left.is_empty() {
+        match tx.write_vectored(left).await.map_err(Error::Disconnected)? {
+            0 => return Err(Error::Disconnected(ErrorKind::WriteZero.into())),
+            count => IoSlice::advance_slices(&mut left, count),
+        }
+    }
+    Ok(())
+}
+
+/// Reads one or two frames and gives their ends. Bytes behind them are an error: SUMO speaks only when asked.
+async fn read_frames(mut rx: ReadHalf<'_>, inbox: &mut Vec<u8>, frames: usize) -> Result<[usize; 2], Error> {
+    let mut ends = [0; 2];
+    let mut start = 0;
+    for end in ends.iter_mut().take(frames) {
+        loop {
+            let missing = match frame_length(&inbox[start..])? {
+                Some(length) if inbox.len() - start >= length => {
+                    start += length;
+                    *end = start;
+                    break;
+                }
+                Some(length) => start + length - inbox.len(),
+                None => 4,
+            };
+            inbox.reserve(missing.min(INBOX_BYTES));
+            if rx.read_buf(inbox).await.map_err(Error::Disconnected)? == 0 {
+                return Err(Error::Disconnected(IoError::from(ErrorKind::UnexpectedEof)));
+            }
+        }
+    }
+    if inbox.len() > start {
+        return Err(DecodeError { offset: start, what: "bytes behind the answer" }.into());
+    }
+    Ok(ends)
+}

@@ -1,0 +1,106 @@
+//! Everything that can go wrong between us and SUMO.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::batch::BatchError;
+use super::client::SumoVersion;
+use super::reply::Refusal;
+use super::wire::DecodeError;
+
+/// An error of the TraCI room.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The command must not be sent.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+    /// SUMO's answer is not TraCI; the connection is finished.
+    #[error("SUMO's answer cannot be understood: {0}")]
+    Decode(#[from] DecodeError),
+    /// SUMO declined the command; the connection is well.
+    #[error("SUMO declined: {text}")]
+    Refused {
+        /// SUMO's reason.
+        text: String,
+        /// True if this SUMO does not know the command.
+        not_implemented: bool,
+    },
+    /// The object exists but has no value now (a vehicle not departed or teleporting).
+    #[error("no value now: the object has not departed or is teleporting")]
+    NoValue,
+    /// The answer has another type than the table says.
+    #[error("expected a {expected}, SUMO sent a {got}")]
+    Type {
+        /// What the table says.
+        expected: &'static str,
+        /// What came.
+        got: &'static str,
+    },
+    /// The reply holds no answer to a get with this number.
+    #[error("command {command} of the batch asked for no value")]
+    NotAsked {
+        /// Number of the command.
+        command: usize,
+    },
+    /// A batch without commands; SUMO would never answer it.
+    #[error("an empty batch has no answer")]
+    Empty,
+    /// SUMO did not answer in time; the connection is finished.
+    #[error("SUMO did not answer within {} s", .after.as_secs_f64())]
+    Timeout {
+        /// The time allowed.
+        after: Duration,
+    },
+    /// SUMO closed the connection: it ended or was killed.
+    #[error("SUMO ended the connection")]
+    Disconnected(#[source] std::io::Error),
+    /// An earlier error finished the connection.
+    #[error("the connection to SUMO is finished after an earlier error")]
+    Finished,
+    /// Nobody listens there.
+    #[error("cannot connect to SUMO at {address}")]
+    Connect {
+        /// Where.
+        address: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// SUMO is older than this client supports.
+    #[error("{found} is too old, SUMO {}.{} or newer is needed", SumoVersion::MINIMUM.0, SumoVersion::MINIMUM.1)]
+    TooOld {
+        /// The version found.
+        found: SumoVersion,
+    },
+    /// No SUMO binary anywhere; the text says what to type.
+    #[error("{0}")]
+    NotFound(String),
+    /// The operating system does not start SUMO, or its log cannot be written.
+    #[error("cannot start SUMO: {}", .path.display())]
+    Start {
+        /// The binary or log file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The port asked for is taken.
+    #[error("port {port} is in use")]
+    PortInUse {
+        /// The port.
+        port: u16,
+    },
+    /// SUMO ended. `report` is what it said last.
+    #[error("SUMO ended ({status}){}{report}", if .report.is_empty() { "" } else { ":\n" })]
+    Died {
+        /// Exit code or signal.
+        status: String,
+        /// Its last lines.
+        report: String,
+    },
+}
+
+impl Error {
+    pub(super) fn refused(refusal: Refusal<'_>) -> Self {
+        Self::Refused { text: refusal.text.to_owned(), not_implemented: refusal.not_implemented }
+    }
+}
