@@ -1,1 +1,92 @@
-//! To be written.
+//! What a controller is to follow. `traffic` and `limit` get their speed from SUMO in every step (the coupling knows how);
+//! a [`Profile`] is a speed over position or time from a formula or a file. One entry each in [`TARGETS`].
+
+mod profile;
+mod recording;
+mod table;
+
+pub use profile::{Axis, Profile};
+pub use recording::{RecordingOptions, Track};
+
+use crate::keys::{Key, Values};
+use crate::registry::Entry;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A target, ready for the coupling.
+#[derive(Debug, Clone)]
+pub enum Target {
+    /// The speed that SUMO's car-following, lights and right of way choose.
+    Traffic,
+    /// The lane's speed limit times the vehicle's speed factor.
+    Limit,
+    /// A speed over position or time, shared by the vehicles that follow it.
+    Profile(Arc<Profile>),
+}
+
+/// Builds a target from its checked keys; files are relative to the folder.
+pub type Build = fn(&Values, &Path) -> Result<Target, ReferenceError>;
+
+const NO_KEYS: &[Key] = &[];
+
+/// All targets, the default first.
+pub static TARGETS: &[Entry<Build>] = &[
+    Entry {
+        name: "traffic",
+        summary: "the speed that SUMO's car-following, lights and right of way choose",
+        keys: NO_KEYS,
+        build: |_, _| Ok(Target::Traffic),
+    },
+    Entry {
+        name: "limit",
+        summary: "the lane's speed limit, for test roads without traffic",
+        keys: NO_KEYS,
+        build: |_, _| Ok(Target::Limit),
+    },
+    Entry {
+        name: "profile",
+        summary: "a speed over position or time: steps, a sine, a CSV file, a driver's recording, a SUMO driving cycle",
+        keys: profile::KEYS,
+        build: |values, folder| Ok(Target::Profile(Arc::new(profile::build(values, folder)?))),
+    },
+];
+
+/// Why a profile cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ReferenceError {
+    /// The file cannot be read.
+    #[error("{}: {source}", .file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// The file's content is not a profile.
+    #[error("{}:{line}: {column}: found {found}, wanted {wanted}", .file.display())]
+    Content {
+        /// The file.
+        file: PathBuf,
+        /// Line, from 1.
+        line: u64,
+        /// The column's name in the file, or "header".
+        column: String,
+        /// What is there.
+        found: String,
+        /// What should be there.
+        wanted: String,
+    },
+    /// A key's value does not make a profile.
+    #[error("{key}: found {found}, wanted {wanted}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// Its value.
+        found: String,
+        /// What it should be.
+        wanted: &'static str,
+    },
+}
+
+#[cfg(test)]
+mod tests;

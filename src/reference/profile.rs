@@ -1,0 +1,261 @@
+//! Speed profiles: linear between the points of a file, steps, a sine, each over position or over time.
+
+use super::ReferenceError;
+use super::recording::{self, RecordingOptions, Track};
+use crate::keys::{Key, Kind, Values};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+pub(super) const KEYS: &[Key] = &[
+    Key {
+        name: "shape",
+        kind: Kind::Choice(&["file", "step", "sine"]),
+        default: "\"file\"",
+        help: "where the profile comes from",
+    },
+    Key {
+        name: "by",
+        kind: Kind::Choice(&["auto", "position", "time"]),
+        default: "\"auto\"",
+        help: "over position or time; auto: as the file says, recordings with stops by time, others by position",
+    },
+    Key {
+        name: "file",
+        kind: Kind::File,
+        default: "",
+        help: "CSV s_m,v_mps or t_s,v_mps, a recording t,vx,vy,yaw_rate, or a SUMO driving cycle t;v",
+    },
+    Key {
+        name: "smooth_s",
+        kind: Kind::Number { unit: "s", min: 0.0, max: 600.0 },
+        default: "1.0",
+        help: "moving average over the speeds of a recording of 10 Hz or more; 0 = off",
+    },
+    Key {
+        name: "speed_unit",
+        kind: Kind::Choice(&["m/s", "km/h"]),
+        default: "\"m/s\"",
+        help: "unit of speeds whose column does not name one",
+    },
+    Key {
+        name: "step_at",
+        kind: Kind::Text,
+        default: "\"0, 100\"",
+        help: "where the steps are: positions [m], or times [s] if by = \"time\"",
+    },
+    Key { name: "step_speeds_mps", kind: Kind::Text, default: "\"10, 20\"", help: "the speed from each step on [m/s]" },
+    Key {
+        name: "sine_mean_mps",
+        kind: Kind::Number { unit: "m/s", min: 0.0, max: 100.0 },
+        default: "15.0",
+        help: "mean of the sine",
+    },
+    Key {
+        name: "sine_amplitude_mps",
+        kind: Kind::Number { unit: "m/s", min: 0.0, max: 100.0 },
+        default: "5.0",
+        help: "amplitude of the sine",
+    },
+    Key {
+        name: "sine_wavelength_m",
+        kind: Kind::Number { unit: "m", min: 0.1, max: 1e6 },
+        default: "200.0",
+        help: "wavelength of the sine over position",
+    },
+    Key {
+        name: "sine_period_s",
+        kind: Kind::Number { unit: "s", min: 0.1, max: 1e6 },
+        default: "20.0",
+        help: "period of the sine over time",
+    },
+];
+
+/// What a profile is a function of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// Driven distance [m].
+    Position,
+    /// Time since the vehicle's start [s].
+    Time,
+}
+
+/// Builds the profile that the keys describe.
+pub(super) fn build(values: &Values, folder: &Path) -> Result<Profile, ReferenceError> {
+    let by = match values.text("by") {
+        "position" => Some(Axis::Position),
+        "time" => Some(Axis::Time),
+        _ => None,
+    };
+    match values.text("shape") {
+        "step" => {
+            let (at, speeds_mps) = (numbers(values, "step_at")?, numbers(values, "step_speeds_mps")?);
+            Profile::step(by.unwrap_or(Axis::Position), &at, &speeds_mps)
+        }
+        "sine" => {
+            let by = by.unwrap_or(Axis::Position);
+            let length = values.number(if by == Axis::Time { "sine_period_s" } else { "sine_wavelength_m" });
+            Profile::sine(by, values.number("sine_mean_mps"), values.number("sine_amplitude_mps"), length)
+        }
+        _ => {
+            let file = values.try_text("file").ok_or_else(|| ReferenceError::Value {
+                key: "file",
+                found: "nothing".to_owned(),
+                wanted: "a profile's file, or shape = \"step\" or \"sine\"",
+            })?;
+            let options = RecordingOptions {
+                by,
+                smooth_s: values.number("smooth_s"),
+                speed_unit_mps: if values.text("speed_unit") == "km/h" { 1.0 / 3.6 } else { 1.0 },
+            };
+            Profile::from_file(&folder.join(file), &options)
+        }
+    }
+}
+
+fn numbers(values: &Values, key: &'static str) -> Result<Vec<f64>, ReferenceError> {
+    let text = values.text(key);
+    let parsed: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+    parsed.map_err(|_| ReferenceError::Value { key, found: format!("\"{text}\""), wanted: "numbers like \"0, 100\"" })
+}
+
+/// A reference speed over position or time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    by: Axis,
+    shape: Shape,
+    track: Option<Track>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Shape {
+    /// Straight lines between points. Two points at the same place make a jump.
+    Lines(Vec<Point>),
+    /// Each speed holds from its place on.
+    Steps(Vec<Point>),
+    Sine {
+        mean_mps: f64,
+        amplitude_mps: f64,
+        length: f64,
+    },
+}
+
+/// A speed at a place on the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Point {
+    pub at: f64,
+    pub speed_mps: f64,
+}
+
+impl Profile {
+    /// Reads a profile, a driver's recording or a SUMO driving cycle.
+    ///
+    /// - Header `s_m,v_mps` or `t_s,v_mps`: taken as it is, linear between the rows.
+    /// - Header with `vx` or `speed` (and `vy`, `yaw_rate`): a recording, smoothed and reconstructed, see [`Track`].
+    /// - Rows `t;v` without a header: the form that SUMO's `emissionsDrivingCycle` reads; further columns are ignored.
+    ///
+    /// Units may be part of the names (`v_kmh`, `vx_mps`, `yaw_rate_degps`), other columns are ignored, as are lines that
+    /// start with `#`.
+    ///
+    /// # Errors
+    /// [`ReferenceError::Read`] or [`ReferenceError::Content`] with file, line, column, what was found and what is wanted.
+    pub fn from_file(path: &Path, options: &RecordingOptions) -> Result<Self, ReferenceError> {
+        let (by, points, track) = recording::read(path, options)?;
+        Ok(Self { by, shape: Shape::Lines(points), track })
+    }
+
+    /// Steps: `speeds_mps[i]` holds from `at[i]` ([m] or [s]) on, the first one before it as well.
+    ///
+    /// # Errors
+    /// [`ReferenceError::Value`] unless there are as many places as speeds, places increase and speeds are positive (over
+    /// position a vehicle would never leave a place where it stands).
+    pub fn step(by: Axis, at: &[f64], speeds_mps: &[f64]) -> Result<Self, ReferenceError> {
+        if at.is_empty() || !at.iter().all(|x| x.is_finite()) || !at.is_sorted_by(|a, b| a < b) {
+            let wanted = "at least one place, in increasing order";
+            return Err(ReferenceError::Value { key: "step_at", found: format!("{at:?}"), wanted });
+        }
+        let drives = |v: &f64| v.is_finite() && (*v > 0.0 || (*v == 0.0 && by == Axis::Time));
+        if speeds_mps.len() != at.len() || !speeds_mps.iter().all(drives) {
+            let wanted = "one speed for every place, above 0 if over position";
+            return Err(ReferenceError::Value { key: "step_speeds_mps", found: format!("{speeds_mps:?}"), wanted });
+        }
+        let points = at.iter().zip(speeds_mps).map(|(&at, &speed_mps)| Point { at, speed_mps }).collect();
+        Ok(Self { by, shape: Shape::Steps(points), track: None })
+    }
+
+    /// A sine around `mean_mps` that starts at the mean, with a wavelength [m] or period [s] of `length`.
+    ///
+    /// # Errors
+    /// [`ReferenceError::Value`] if the speed would turn negative or, over position, 0, or if `length` is not positive.
+    pub fn sine(by: Axis, mean_mps: f64, amplitude_mps: f64, length: f64) -> Result<Self, ReferenceError> {
+        let lowest = mean_mps - amplitude_mps.abs();
+        let drives = lowest.is_finite() && (lowest > 0.0 || (lowest == 0.0 && by == Axis::Time));
+        if !drives {
+            let wanted = "an amplitude below the mean";
+            return Err(ReferenceError::Value { key: "sine_amplitude_mps", found: amplitude_mps.to_string(), wanted });
+        }
+        if !(length.is_finite() && length > 0.0) {
+            let key = if by == Axis::Time { "sine_period_s" } else { "sine_wavelength_m" };
+            return Err(ReferenceError::Value { key, found: length.to_string(), wanted: "a length above 0" });
+        }
+        Ok(Self { by, shape: Shape::Sine { mean_mps, amplitude_mps, length }, track: None })
+    }
+
+    /// The reference speed [m/s] and its rate [m/s²] for a vehicle that has driven `position_m` in `time_s` and moves at
+    /// `speed_mps`. Over position the rate is dy_r/dt = v·dy_r/ds with the vehicle's own v. Outside the profile its first
+    /// and last speeds hold. At a jump the rate is 0.
+    pub fn at(&self, position_m: f64, time_s: f64, speed_mps: f64) -> (f64, f64) {
+        let (x, x_rate) = match self.by {
+            Axis::Position => (position_m, speed_mps),
+            Axis::Time => (time_s, 1.0),
+        };
+        let (speed, slope) = match &self.shape {
+            Shape::Lines(points) => on_lines(points, x),
+            Shape::Steps(points) => {
+                let next = points.partition_point(|p| p.at <= x);
+                (points[next.saturating_sub(1)].speed_mps, 0.0)
+            }
+            Shape::Sine { mean_mps, amplitude_mps, length } => {
+                let phase = TAU * x / length;
+                (mean_mps + amplitude_mps * libm::sin(phase), amplitude_mps * TAU / length * libm::cos(phase))
+            }
+        };
+        (speed, slope * x_rate)
+    }
+
+    /// True if the speed is a function of time, false if of position.
+    pub fn is_by_time(&self) -> bool {
+        self.by == Axis::Time
+    }
+
+    /// Where the profile ends: driven distance [m], or time [s] if [`Profile::is_by_time`]. None for a sine, which goes on,
+    /// and for steps, the last of which holds.
+    pub fn length(&self) -> Option<f64> {
+        match &self.shape {
+            Shape::Lines(points) => points.last().map(|p| p.at),
+            Shape::Steps(_) | Shape::Sine { .. } => None,
+        }
+    }
+
+    /// Curvature of the recorded track at a driven distance [1/m], left positive; 0 without a track and outside it.
+    pub fn curvature_at(&self, position_m: f64) -> f64 {
+        self.track.as_ref().map_or(0.0, |t| t.curvature_at(position_m))
+    }
+
+    /// The track of a recording with a yaw rate.
+    pub fn track(&self) -> Option<&Track> {
+        self.track.as_ref()
+    }
+}
+
+/// Speed [m/s] and slope [m/s per unit of the axis] at `x`.
+fn on_lines(points: &[Point], x: f64) -> (f64, f64) {
+    let next = points.partition_point(|p| p.at <= x);
+    match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
+        (Some(a), Some(b)) => {
+            let slope = (b.speed_mps - a.speed_mps) / (b.at - a.at);
+            (a.speed_mps + slope * (x - a.at), slope)
+        }
+        (Some(outside), None) => (outside.speed_mps, 0.0),
+        (None, first) => (first.map_or(0.0, |p| p.speed_mps), 0.0),
+    }
+}

@@ -1,0 +1,188 @@
+//! From a file to a profile: plain speed profiles as they are, a driver's recording by way of smoothing and reconstruction
+//! (Polack et al. 2017, Section 5.3).
+
+use super::ReferenceError;
+use super::profile::{Axis, Point};
+use super::table::{Column, Quantity, Table};
+use std::path::Path;
+
+/// Below this speed a recording is taken to stand [m/s].
+const STANDING_MPS: f64 = 0.5;
+/// Recordings with longer sampling intervals are not smoothed [s].
+const COARSE_S: f64 = 0.1;
+/// Length over which a track's curvature is taken [m].
+const CURVATURE_BASE_M: f64 = 3.0;
+
+/// How to treat a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordingOptions {
+    /// Over position or time; None: files with a position by position, plain speeds over time by time, recordings with stops
+    /// (below 0.5 m/s) by time and others by position.
+    pub by: Option<Axis>,
+    /// Length of the moving average over V_x and V_y of a recording [s]; 0 = off. Never used on samples coarser than 10 Hz.
+    pub smooth_s: f64,
+    /// What a speed of 1 is in m/s where the column does not name its unit.
+    pub speed_unit_mps: f64,
+}
+
+impl Default for RecordingOptions {
+    /// The paper's 100 points at an assumed 100 Hz.
+    fn default() -> Self {
+        Self { by: None, smooth_s: 1.0, speed_unit_mps: 1.0 }
+    }
+}
+
+/// Where a recorded vehicle went, reconstructed as in the paper:
+/// ```text
+/// x += V_x Δt cos ψ − V_y Δt sin ψ      y += V_x Δt sin ψ + V_y Δt cos ψ      ψ += ψ̇ Δt      s += √(Δx² + Δy²)
+/// ```
+/// One entry per sample in each column; it starts at the origin, heading along x.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Track {
+    /// Driven distance [m].
+    pub s_m: Vec<f64>,
+    /// Position [m].
+    pub x_m: Vec<f64>,
+    /// Position, left positive [m].
+    pub y_m: Vec<f64>,
+    /// Heading ψ, left positive [rad].
+    pub heading_rad: Vec<f64>,
+    /// Change of heading per driven metre, over 3 m [1/m].
+    pub curvature_per_m: Vec<f64>,
+}
+
+impl Track {
+    /// Curvature at a driven distance [1/m], linear between samples, 0 outside the track.
+    pub fn curvature_at(&self, s_m: f64) -> f64 {
+        if self.s_m.first().is_none_or(|&s| s_m < s) || self.s_m.last().is_none_or(|&s| s_m > s) {
+            return 0.0;
+        }
+        interpolate(&self.s_m, &self.curvature_per_m, s_m)
+    }
+
+    fn reconstruct(t_s: &[f64], vx_mps: &[f64], vy_mps: &[f64], yaw_rate_radps: &[f64]) -> Self {
+        let mut track = Self::default();
+        let (mut s, mut x, mut y, mut psi) = (0.0, 0.0, 0.0, 0.0);
+        // Heading gained while driving: a gyro's offset at a red light is no curve.
+        let (mut turned, mut turned_rad) = (0.0, vec![]);
+        for i in 0..t_s.len() {
+            track.s_m.push(s);
+            track.x_m.push(x);
+            track.y_m.push(y);
+            track.heading_rad.push(psi);
+            turned_rad.push(turned);
+            let dt = t_s.get(i + 1).map_or(0.0, |next| next - t_s[i]);
+            let (sin, cos) = libm::sincos(psi);
+            let dx = (vx_mps[i] * cos - vy_mps[i] * sin) * dt;
+            let dy = (vx_mps[i] * sin + vy_mps[i] * cos) * dt;
+            (x, y, s) = (x + dx, y + dy, s + (dx * dx + dy * dy).sqrt());
+            psi += yaw_rate_radps[i] * dt;
+            turned += if vx_mps[i] < STANDING_MPS { 0.0 } else { yaw_rate_radps[i] * dt };
+        }
+        let end = s;
+        let curvature = |&s: &f64| {
+            let (from, to) = ((s - 0.5 * CURVATURE_BASE_M).max(0.0), (s + 0.5 * CURVATURE_BASE_M).min(end));
+            let turn = interpolate(&track.s_m, &turned_rad, to) - interpolate(&track.s_m, &turned_rad, from);
+            if to > from { turn / (to - from) } else { 0.0 }
+        };
+        track.curvature_per_m = track.s_m.iter().map(curvature).collect();
+        track
+    }
+}
+
+/// `y` at `x`, linear between samples, the ends hold.
+fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
+    let next = xs.partition_point(|&known| known <= x);
+    match next {
+        0 => ys.first().copied().unwrap_or_default(),
+        n if n == xs.len() => ys[n - 1],
+        n => ys[n - 1] + (ys[n] - ys[n - 1]) * (x - xs[n - 1]) / (xs[n] - xs[n - 1]),
+    }
+}
+
+/// The axis and points of a profile and, for a recording with a yaw rate, its track.
+type Read = (Axis, Vec<Point>, Option<Track>);
+
+/// Reads whatever profile is in `file`.
+pub(super) fn read(file: &Path, options: &RecordingOptions) -> Result<Read, ReferenceError> {
+    let table = Table::read(file, options.speed_unit_mps)?;
+    let recorded = [Quantity::SpeedX, Quantity::SpeedY, Quantity::YawRate].iter().any(|&q| table.column(q).is_some());
+    match (table.column(Quantity::Position), table.column(Quantity::Time)) {
+        (Some(_), None) if options.by == Some(Axis::Time) => Err(table.missing()),
+        (Some(position), None) => plain(&table, position, Axis::Position),
+        (Some(position), _) if options.by != Some(Axis::Time) => plain(&table, position, Axis::Position),
+        (_, Some(time)) if !recorded && options.by != Some(Axis::Position) => plain(&table, time, Axis::Time),
+        (_, Some(time)) => recording(&table, time, options),
+        (None, None) => Err(table.missing()),
+    }
+}
+
+/// The speed column, whichever name it has.
+fn speed(table: &Table) -> Result<&Column, ReferenceError> {
+    table.column(Quantity::Speed).or_else(|| table.column(Quantity::SpeedX)).ok_or_else(|| table.missing())
+}
+
+/// A profile as it stands in the file.
+fn plain(table: &Table, at: &Column, by: Axis) -> Result<Read, ReferenceError> {
+    let speed = speed(table)?;
+    for row in 0..table.rows() {
+        if row > 0 && at.values[row] < at.values[row - 1] {
+            return Err(table.error(row, at, "no less than the row before"));
+        }
+        if speed.values[row] < 0.0 {
+            return Err(table.error(row, speed, "a speed of at least 0"));
+        }
+        if by == Axis::Position && speed.values[row] == 0.0 && row + 1 < table.rows() {
+            return Err(table.error(
+                row,
+                speed,
+                "a speed above 0 before the end: the vehicle would never leave this position (use t_s,v_mps)",
+            ));
+        }
+    }
+    Ok((by, points(&at.values, &speed.values), None))
+}
+
+fn points(at: &[f64], speeds_mps: &[f64]) -> Vec<Point> {
+    at.iter().zip(speeds_mps).map(|(&at, &speed_mps)| Point { at, speed_mps }).collect()
+}
+
+/// A driver's recording: smoothed, reconstructed and referenced by time or position.
+fn recording(table: &Table, time: &Column, options: &RecordingOptions) -> Result<Read, ReferenceError> {
+    let speed = speed(table)?;
+    let rows = table.rows();
+    if rows < 2 {
+        return Err(table.error(0, time, "at least two samples"));
+    }
+    if let Some(row) = (1..rows).find(|&i| time.values[i] <= time.values[i - 1]) {
+        return Err(table.error(row, time, "more than the row before"));
+    }
+    let t_s: Vec<f64> = time.values.iter().map(|t| t - time.values[0]).collect();
+    let interval_s = t_s[rows - 1] / (rows - 1) as f64;
+    // Small tolerance: 10 Hz written with rounded times is still 10 Hz.
+    let samples = if interval_s > 1.001 * COARSE_S { 1 } else { (options.smooth_s / interval_s).round() as usize };
+    let zeros = vec![0.0; rows];
+    let yaw_rate = table.column(Quantity::YawRate);
+    let vx_mps: Vec<f64> = moving_average(&speed.values, samples).iter().map(|v| v.max(0.0)).collect();
+    let vy_mps = moving_average(table.column(Quantity::SpeedY).map_or(&zeros, |c| &c.values), samples);
+    let track = Track::reconstruct(&t_s, &vx_mps, &vy_mps, yaw_rate.map_or(&zeros, |c| &c.values));
+
+    let standing = vx_mps.iter().position(|&v| v < STANDING_MPS);
+    let by = options.by.unwrap_or(if standing.is_some() { Axis::Time } else { Axis::Position });
+    if let (Axis::Position, Some(row)) = (by, standing) {
+        return Err(table.error(row, speed, "no stops (below 0.5 m/s) in a recording taken by position"));
+    }
+    let axis = if by == Axis::Time { &t_s } else { &track.s_m };
+    Ok((by, points(axis, &vx_mps), yaw_rate.map(|_| track)))
+}
+
+/// Mean over `samples` samples around each one, over fewer at the ends: centred, so that nothing is delayed.
+fn moving_average(values: &[f64], samples: usize) -> Vec<f64> {
+    let (before, after) = (samples / 2, samples.max(1).div_ceil(2));
+    (0..values.len())
+        .map(|i| {
+            let window = &values[i.saturating_sub(before)..(i + after).min(values.len())];
+            window.iter().sum::<f64>() / window.len() as f64
+        })
+        .collect()
+}

@@ -1,0 +1,169 @@
+//! CSV files with columns found by name, units in the name or not.
+
+use super::ReferenceError;
+use std::path::{Path, PathBuf};
+
+/// A quantity that a column can hold and its names, without units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Quantity {
+    Position,
+    Time,
+    /// A speed to follow as it is.
+    Speed,
+    /// The longitudinal speed of a recording.
+    SpeedX,
+    SpeedY,
+    YawRate,
+}
+
+const NAMES: &[(&str, Quantity)] = &[
+    ("s", Quantity::Position),
+    ("position", Quantity::Position),
+    ("distance", Quantity::Position),
+    ("t", Quantity::Time),
+    ("time", Quantity::Time),
+    ("v", Quantity::Speed),
+    ("vx", Quantity::SpeedX),
+    ("speed", Quantity::SpeedX),
+    ("vy", Quantity::SpeedY),
+    ("yaw_rate", Quantity::YawRate),
+];
+
+/// Unit suffixes and what one of the unit is in SI.
+const UNITS: &[(&str, f64)] = &[
+    ("_mps", 1.0),
+    ("_kmh", 1.0 / 3.6),
+    ("_radps", 1.0),
+    ("_degps", std::f64::consts::PI / 180.0),
+    ("_m", 1.0),
+    ("_s", 1.0),
+];
+
+/// A column in SI units.
+#[derive(Debug)]
+pub(super) struct Column {
+    quantity: Quantity,
+    /// As in the file.
+    pub name: String,
+    pub values: Vec<f64>,
+}
+
+/// The known columns of a file, all of the same length, at least one row.
+#[derive(Debug)]
+pub(super) struct Table {
+    file: PathBuf,
+    /// The names in the first row and its line.
+    header: Option<(String, u64)>,
+    columns: Vec<Column>,
+    /// Line of each row.
+    lines: Vec<u64>,
+}
+
+impl Table {
+    /// Reads `file`. Speeds whose column names no unit are multiplied by `speed_unit_mps`. Without a header, `;` separates
+    /// time and speed.
+    pub fn read(file: &Path, speed_unit_mps: f64) -> Result<Self, ReferenceError> {
+        let text =
+            std::fs::read_to_string(file).map_err(|source| ReferenceError::Read { file: file.into(), source })?;
+        let text = text.trim_start_matches('\u{feff}');
+        let first = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#')).unwrap_or_default();
+        let cycle = first.contains(';');
+        let mut rows = csv::ReaderBuilder::new()
+            .delimiter(if cycle { b';' } else { b',' })
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .has_headers(false)
+            .flexible(true)
+            .from_reader(text.as_bytes());
+        let mut table = Self { file: file.into(), header: None, columns: vec![], lines: vec![] };
+        let mut sources: Vec<(usize, f64)> = vec![];
+        for row in rows.records() {
+            let row = row.map_err(|e| table.broken(&e))?;
+            let line = row.position().map_or(0, csv::Position::line);
+            if table.header.is_none() {
+                let headless = cycle && row.iter().all(|field| field.parse::<f64>().is_ok());
+                let header = if headless { csv::StringRecord::from(vec!["t", "v"]) } else { row.clone() };
+                sources = table.take_header(&header, line, speed_unit_mps);
+                if !headless {
+                    continue;
+                }
+            }
+            table.take_row(&row, line, &sources)?;
+        }
+        if table.header.is_some() && table.columns.is_empty() {
+            return Err(table.missing());
+        }
+        if table.lines.is_empty() {
+            return Err(table.content(text.lines().count() as u64, "header", "no rows", "at least one row of numbers"));
+        }
+        Ok(table)
+    }
+
+    /// Finds the known columns; returns their index in a row and their unit.
+    fn take_header(&mut self, header: &csv::StringRecord, line: u64, speed_unit_mps: f64) -> Vec<(usize, f64)> {
+        self.header = Some((header.iter().collect::<Vec<_>>().join(","), line));
+        let mut sources = vec![];
+        for (index, name) in header.iter().enumerate() {
+            let lower = name.to_lowercase();
+            let unit = UNITS.iter().find(|(suffix, _)| lower.ends_with(suffix));
+            let base = unit.map_or(lower.as_str(), |(suffix, _)| &lower[..lower.len() - suffix.len()]);
+            let Some(&(_, quantity)) = NAMES.iter().find(|(known, _)| *known == base) else { continue };
+            if self.column(quantity).is_some() {
+                continue;
+            }
+            let is_speed = matches!(quantity, Quantity::Speed | Quantity::SpeedX | Quantity::SpeedY);
+            let scale = unit.map_or(if is_speed { speed_unit_mps } else { 1.0 }, |(_, si)| *si);
+            self.columns.push(Column { quantity, name: name.to_owned(), values: vec![] });
+            sources.push((index, scale));
+        }
+        sources
+    }
+
+    fn take_row(&mut self, row: &csv::StringRecord, line: u64, sources: &[(usize, f64)]) -> Result<(), ReferenceError> {
+        for (i, (index, scale)) in sources.iter().enumerate() {
+            let field = row.get(*index).unwrap_or_default();
+            match field.parse::<f64>() {
+                Ok(value) if value.is_finite() => self.columns[i].values.push(value * scale),
+                _ => return Err(self.content(line, &self.columns[i].name, &format!("\"{field}\""), "a number")),
+            }
+        }
+        self.lines.push(line);
+        Ok(())
+    }
+
+    pub fn column(&self, quantity: Quantity) -> Option<&Column> {
+        self.columns.iter().find(|c| c.quantity == quantity)
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// An error about a value of a row.
+    pub fn error(&self, row: usize, column: &Column, wanted: &str) -> ReferenceError {
+        self.content(self.lines[row], &column.name, &column.values[row].to_string(), wanted)
+    }
+
+    /// The error about a column that is missing.
+    pub fn missing(&self) -> ReferenceError {
+        let (names, line) = self.header.clone().unwrap_or_default();
+        let wanted = "columns s_m,v_mps or t_s,v_mps, a recording's t,vx,vy,yaw_rate, or rows t;v";
+        self.content(line, "header", &format!("\"{names}\""), wanted)
+    }
+
+    fn content(&self, line: u64, column: &str, found: &str, wanted: &str) -> ReferenceError {
+        ReferenceError::Content {
+            file: self.file.clone(),
+            line,
+            column: column.to_owned(),
+            found: found.to_owned(),
+            wanted: wanted.to_owned(),
+        }
+    }
+
+    fn broken(&self, error: &csv::Error) -> ReferenceError {
+        let line = error.position().map_or(0, csv::Position::line);
+        self.content(line, "row", &error.to_string(), "comma-separated values")
+    }
+}
