@@ -1,10 +1,48 @@
-//! Speed controllers. One file per law in `control/`, one line each in [`CONTROLLERS`].
+//! Speed controllers. One file per law in `control/`, one entry each in [`CONTROLLERS`].
 //!
 //! A controller works on one block of vehicles. In every control period the fleet calls [`Controller::command`] with
 //! what was measured and wanted, sends the torque through the actuators (limits, dead time, lag), and calls
 //! [`Controller::feedback`] with what became of it.
 
+mod estimator;
+mod ideal;
+mod mfc;
+mod pid;
+
+use crate::keys::Values;
 use crate::lanes::Lanes;
+use crate::registry::Entry;
+
+/// Builds a controller for one block from its checked keys and the control period Δt [s].
+pub type Build = fn(&Values, f64) -> Box<dyn Controller>;
+
+/// All controllers, the default first.
+pub static CONTROLLERS: &[Entry<Build>] = &[
+    Entry {
+        name: "adaptive",
+        summary: "model-free control with the input gain adapted in every period (Polack et al. 2017, Algorithm 1)",
+        keys: mfc::ADAPTIVE_KEYS,
+        build: mfc::adaptive,
+    },
+    Entry {
+        name: "classic",
+        summary: "model-free control with a constant input gain (Polack et al. 2017, Section 2)",
+        keys: mfc::CLASSIC_KEYS,
+        build: mfc::classic,
+    },
+    Entry {
+        name: "pid",
+        summary: "velocity-form PI(D) with feed-forward and anti-windup, the baseline",
+        keys: pid::KEYS,
+        build: pid::build,
+    },
+    Entry {
+        name: "ideal",
+        summary: "the vehicle takes the reference speed exactly: no body, no torque",
+        keys: ideal::KEYS,
+        build: ideal::build,
+    },
+];
 
 /// What a controller sees in one control period.
 #[derive(Debug, Clone, Copy, Default)]
@@ -68,3 +106,6 @@ pub trait Controller: Send {
         false
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,13 +10,15 @@
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
 //! 1  fleet                                     the closed loop on columns; where floor-0 rooms meet
-//! 0  plant control reference traci output stats   and the common ground: keys lanes registry random
+//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes registry random
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
 pub mod control;
+pub mod fleet;
 pub mod keys;
 pub mod lanes;
+pub mod measurement;
 pub mod output;
 pub mod plant;
 pub mod random;

@@ -1,1 +1,345 @@
-//! To be written.
+//! Vehicle bodies in motion. One file per model in `plant/`, one line each in [`PLANTS`].
+//!
+//! A [`PlantBlock`] holds constants and states of [`LANES`] vehicles in columns. In every control period the fleet
+//! calls [`Plant::advance`] with the torques that the actuators let through and the steering of the road.
+//! Frames and signs: see [`seven_dof`].
+
+pub mod actuator;
+pub mod body;
+pub mod integrator;
+mod point_mass;
+pub mod seven_dof;
+pub mod trig;
+pub mod tyre;
+
+use crate::keys::{Key, Kind, Values};
+use crate::lanes::{Flags, LANES, Lanes};
+use crate::registry::Entry;
+pub use actuator::{Actuated, Actuators};
+pub use body::{BODIES, BODY_KEYS, Body};
+use integrator::{Moment, substep};
+use seven_dof::{CAR_COLUMNS, Car, Drive, peaks, tyre_forces};
+use trig::{Libm, Polynomial, Trig};
+
+/// State of motion of one vehicle.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct State {
+    /// Longitudinal speed V_x [m/s].
+    pub vx_mps: f64,
+    /// Lateral speed V_y, positive to the left [m/s].
+    pub vy_mps: f64,
+    /// Yaw rate ψ̇, positive to the left [rad/s].
+    pub yaw_rate_radps: f64,
+    /// Wheel speeds: front left, front right, rear left, rear right [rad/s].
+    pub wheel_speed_radps: [f64; 4],
+}
+
+impl State {
+    /// Straight ahead at `vx_mps` with wheels that roll without slip.
+    pub fn rolling(body: &Body, vx_mps: f64) -> Self {
+        Self { vx_mps, wheel_speed_radps: [vx_mps / body.wheel_radius_m; 4], ..Self::default() }
+    }
+}
+
+/// What acts on the vehicles of a block during one control period.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Inputs {
+    /// Torque C_T on the wheels, sum over the wheels: positive drives, negative brakes [N·m].
+    pub torque_nm: Lanes,
+    /// Steer angle δ of the front wheels, positive to the left, within ±π/2 [rad].
+    pub steer_rad: Lanes,
+    /// Grade, positive uphill, within ±π/2 [rad].
+    pub grade_rad: Lanes,
+    /// Bank, positive where the road rises to the left, within ±π/2 [rad].
+    pub bank_rad: Lanes,
+    /// Wind from ahead [m/s].
+    pub headwind_mps: Lanes,
+}
+
+/// Constants and states of [`LANES`] vehicles.
+#[derive(Debug, Clone)]
+pub struct PlantBlock {
+    bodies: [Body; LANES],
+    cars: [Lanes; CAR_COLUMNS],
+    /// Longitudinal speed V_x [m/s].
+    pub vx_mps: Lanes,
+    /// Lateral speed V_y [m/s].
+    pub vy_mps: Lanes,
+    /// Yaw rate ψ̇ [rad/s].
+    pub yaw_rate_radps: Lanes,
+    /// Wheel speeds ω, one column per wheel [rad/s].
+    pub wheel_speed_radps: [Lanes; 4],
+    /// ∫V_x dt since [`PlantBlock::reset_distance`] [m].
+    pub distance_m: Lanes,
+    /// Mean accelerations a_x, a_y of the body over the last substep, which shift the wheel loads [m/s²].
+    pub acceleration_mps2: [Lanes; 2],
+}
+
+impl Default for PlantBlock {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl PlantBlock {
+    /// Every slot a default car at rest.
+    pub fn new() -> Self {
+        let body = (BODIES[0].build)();
+        let mut block = Self {
+            bodies: std::array::from_fn(|_| body.clone()),
+            cars: [[0.0; LANES]; CAR_COLUMNS],
+            vx_mps: [0.0; LANES],
+            vy_mps: [0.0; LANES],
+            yaw_rate_radps: [0.0; LANES],
+            wheel_speed_radps: [[0.0; LANES]; 4],
+            distance_m: [0.0; LANES],
+            acceleration_mps2: [[0.0; LANES]; 2],
+        };
+        for slot in 0..LANES {
+            block.set_body(slot, &body);
+        }
+        block
+    }
+
+    /// Makes a slot another vehicle; its state stays.
+    pub fn set_body(&mut self, slot: usize, body: &Body) {
+        Car::new(body).put(&mut self.cars, slot);
+        self.bodies[slot] = body.clone();
+    }
+
+    /// The body of a slot.
+    pub fn body(&self, slot: usize) -> &Body {
+        &self.bodies[slot]
+    }
+
+    /// The state of a slot.
+    pub fn state(&self, slot: usize) -> State {
+        State {
+            vx_mps: self.vx_mps[slot],
+            vy_mps: self.vy_mps[slot],
+            yaw_rate_radps: self.yaw_rate_radps[slot],
+            wheel_speed_radps: self.wheel_speed_radps.map(|column| column[slot]),
+        }
+    }
+
+    /// Puts a slot into `state`, unaccelerated; its distance stays.
+    pub fn set_state(&mut self, slot: usize, state: &State) {
+        self.vx_mps[slot] = state.vx_mps;
+        self.vy_mps[slot] = state.vy_mps;
+        self.yaw_rate_radps[slot] = state.yaw_rate_radps;
+        for (column, speed) in self.wheel_speed_radps.iter_mut().zip(state.wheel_speed_radps) {
+            column[slot] = speed;
+        }
+        for column in &mut self.acceleration_mps2 {
+            column[slot] = 0.0;
+        }
+    }
+
+    /// All seven states of a slot exactly 0.
+    pub fn rest(&mut self, slot: usize) {
+        self.set_state(slot, &State::default());
+    }
+
+    /// Starts a slot's odometer at 0.
+    pub fn reset_distance(&mut self, slot: usize) {
+        self.distance_m[slot] = 0.0;
+    }
+
+    /// True while every state of the slot is a finite number.
+    pub fn is_finite(&self, slot: usize) -> bool {
+        let state = self.state(slot);
+        [state.vx_mps, state.vy_mps, state.yaw_rate_radps, self.distance_m[slot]]
+            .iter()
+            .chain(&state.wheel_speed_radps)
+            .all(|value| value.is_finite())
+    }
+
+    /// Slip ratios τ of front and rear axle of a slot, mean of left and right, at the steer angle `steer_rad`.
+    pub fn slip(&self, slot: usize, steer_rad: f64) -> [f64; 2] {
+        let car = Car::pick(&self.cars, slot);
+        let drive = Drive::new::<Libm>(&car, 0.0, steer_rad, 0.0, 0.0, 0.0);
+        let moment = self.moment(slot);
+        let slip = tyre_forces::<Libm>(&car, &drive, &peaks(&car, &drive, moment.acceleration), &moment.x).slip;
+        [0.5 * (slip[0] + slip[1]), 0.5 * (slip[2] + slip[3])]
+    }
+
+    #[inline(always)]
+    fn moment(&self, lane: usize) -> Moment {
+        let w = &self.wheel_speed_radps;
+        Moment {
+            x: [
+                self.vx_mps[lane],
+                self.vy_mps[lane],
+                self.yaw_rate_radps[lane],
+                w[0][lane],
+                w[1][lane],
+                w[2][lane],
+                w[3][lane],
+            ],
+            acceleration: [self.acceleration_mps2[0][lane], self.acceleration_mps2[1][lane]],
+            distance: self.distance_m[lane],
+        }
+    }
+
+    /// Writes `next` where `moving` is 1; a slot that does not move keeps its bits.
+    #[inline(always)]
+    fn put(&mut self, lane: usize, next: &Moment, moving: f64) {
+        let choose = |new: f64, old: f64| if moving > 0.0 { new } else { old };
+        self.vx_mps[lane] = choose(next.x[0], self.vx_mps[lane]);
+        self.vy_mps[lane] = choose(next.x[1], self.vy_mps[lane]);
+        self.yaw_rate_radps[lane] = choose(next.x[2], self.yaw_rate_radps[lane]);
+        for wheel in 0..4 {
+            self.wheel_speed_radps[wheel][lane] = choose(next.x[3 + wheel], self.wheel_speed_radps[wheel][lane]);
+        }
+        for k in 0..2 {
+            self.acceleration_mps2[k][lane] = choose(next.acceleration[k], self.acceleration_mps2[k][lane]);
+        }
+        self.distance_m[lane] = choose(next.distance, self.distance_m[lane]);
+    }
+}
+
+/// A model of the vehicles of a block.
+pub trait Plant: Send + Sync {
+    /// Advances the slots with `moving` = 1 by one control period of `period_s` seconds; the others stay untouched.
+    fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64);
+}
+
+/// The plants that can be chosen by name.
+pub static PLANTS: &[Entry<fn(&Values) -> Box<dyn Plant>>] = &[
+    Entry {
+        name: "seven_dof",
+        summary: "7 degrees of freedom: V_x, V_y, yaw rate and four wheels with Magic Formula tyres",
+        keys: &[Key {
+            name: "substep_s",
+            kind: Kind::Number { unit: "s", min: 1e-5, max: 0.01 },
+            default: "0.01",
+            help: "largest integration step; a control period is divided evenly",
+        }],
+        build: |values| Box::new(SevenDof::new(values.number("substep_s"))),
+    },
+    Entry {
+        name: "point_mass",
+        summary: "a point on a line: mass, torque, slope, drag and brakes, no tyres",
+        keys: &[],
+        build: |_| Box::new(point_mass::PointMass),
+    },
+];
+
+/// Vector instructions that a block can be advanced with. All give the same bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// What every processor of the architecture has.
+    Baseline,
+    /// AVX2.
+    Avx2,
+    /// AVX-512.
+    Avx512,
+}
+
+impl InstructionSet {
+    /// The sets that this machine has, best first.
+    pub fn available() -> Vec<Self> {
+        let mut sets = vec![Self::Baseline];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
+                sets.push(Self::Avx2);
+            }
+            let wide = std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl");
+            if wide && std::is_x86_feature_detected!("avx512dq") && std::is_x86_feature_detected!("avx512bw") {
+                sets.push(Self::Avx512);
+            }
+        }
+        sets.reverse();
+        sets
+    }
+}
+
+/// The 7-DoF model of [`seven_dof`], integrated by [`integrator`].
+#[derive(Debug, Clone, Copy)]
+pub struct SevenDof {
+    substep_s: f64,
+    set: InstructionSet,
+}
+
+impl SevenDof {
+    /// With substeps of at most `substep_s` and the best instruction set of this machine.
+    pub fn new(substep_s: f64) -> Self {
+        Self { substep_s, set: InstructionSet::available()[0] }
+    }
+
+    /// With a chosen instruction set; one that the machine lacks falls back to the baseline.
+    pub fn with_instruction_set(substep_s: f64, set: InstructionSet) -> Self {
+        Self { substep_s, set }
+    }
+
+    /// The same by the `libm` crate, one slot at a time: the oracle of the vector code.
+    pub fn advance_scalar(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
+        let (count, h) = self.substeps(period_s);
+        for lane in (0..LANES).filter(|&lane| moving[lane] > 0.0) {
+            let (car, drive) = acting::<Libm>(block, inputs, lane);
+            let mut moment = block.moment(lane);
+            for _ in 0..count {
+                moment = substep::<Libm>(&car, &drive, &moment, h);
+            }
+            block.put(lane, &moment, 1.0);
+        }
+    }
+
+    /// Number and length of the substeps of one period. A period that is a multiple up to rounding counts as one.
+    fn substeps(&self, period_s: f64) -> (usize, f64) {
+        let count = (period_s / self.substep_s - 1e-9).ceil().max(1.0);
+        (count as usize, period_s / count)
+    }
+}
+
+impl Plant for SevenDof {
+    fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
+        let (count, h) = self.substeps(period_s);
+        for _ in 0..count {
+            match self.set {
+                InstructionSet::Baseline => advance_baseline(block, inputs, moving, h),
+                InstructionSet::Avx2 => advance_avx2(block, inputs, moving, h),
+                InstructionSet::Avx512 => advance_avx512(block, inputs, moving, h),
+            }
+        }
+    }
+}
+
+/// The vehicle in a lane and what acts on it.
+#[inline(always)]
+fn acting<T: Trig>(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
+    let car = Car::pick(&block.cars, lane);
+    let drive = Drive::new::<T>(
+        &car,
+        inputs.torque_nm[lane],
+        inputs.steer_rad[lane],
+        inputs.grade_rad[lane],
+        inputs.bank_rad[lane],
+        inputs.headwind_mps[lane],
+    );
+    (car, drive)
+}
+
+#[inline(always)]
+fn advance_lanes(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    for lane in 0..LANES {
+        let (car, drive) = acting::<Polynomial>(block, inputs, lane);
+        let next = substep::<Polynomial>(&car, &drive, &block.moment(lane), h);
+        block.put(lane, &next, moving[lane]);
+    }
+}
+
+fn advance_baseline(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    advance_lanes(block, inputs, moving, h);
+}
+
+#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
+fn advance_avx2(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    advance_lanes(block, inputs, moving, h);
+}
+
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
+fn advance_avx512(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    advance_lanes(block, inputs, moving, h);
+}

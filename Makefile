@@ -1,0 +1,30 @@
+# make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.PHONY: help demo test bench setup setup-test clean
+
+controllers ?= ideal,classic,adaptive,pid
+seeds ?= 1
+
+help: ## Show this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
+
+demo: ## Every car of a city with a real body: compare four controllers, print one table
+	cargo build --release --locked
+	tools/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds)
+
+test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
+	cargo test --release --locked
+
+bench: setup ## The benchmarks, one line per figure
+	cargo bench --locked
+
+setup: ## Install the pinned SUMO below .sumo/
+	@tools/install 1.28.0
+
+setup-test: ## Install what the tests need: three versions of SUMO, and foreign networks (sumo-rl)
+	@tools/install 1.28.0 1.15.0 1.14.1 sumo-rl==1.4.5
+
+clean: ## Remove what was built and written; .sumo/ stays
+	cargo clean
+	rm -rf out

@@ -1,0 +1,129 @@
+//! Velocity-form PI(D), the baseline: what a practitioner would fit first.
+//!
+//! ```text
+//! a_k = a*_{k−1} − k_p (e_k − e_{k−1}) − k_i Δt e_k − k_d (e_k − 2e_{k−1} + e_{k−2})/Δt + k_ff (ẏ_r,k − ẏ_r,k−1)
+//! ```
+//! with a the nominal vehicle's acceleration (torque = a·M·r) and a*_{k−1} the previous one within the actuator's limits:
+//! what the limits cut off is not accumulated, which is the anti-windup (Åström and Hägglund 1995, Section 3.5).
+//! With ẏ_r = (y_r,k − y_r,k−1)/Δt, k_d = k_ff = 0, k_p = 1/(αΔt) and k_i = K_P/(αΔt) it is the classic model-free law
+//! with the two-point estimator.
+//!
+//! # Default tuning
+//! Chosen on the same drive and disturbances as the model-free laws (see `mfc.rs`), from a grid of the same size: k_p = 1/s
+//! and k_i = 1/s² give the least error over wrong mass, lag, dead time up to 250 ms and noise among the gains that stay
+//! damped (ζ = 0.5). More k_p tracks a wrong mass better, but noise then drives the torque into its limits, where the velocity form
+//! forgets what was cut off and drifts.
+
+use super::{Actuation, Command, Controller, Observation};
+use crate::keys::{Key, Kind, Values};
+use crate::lanes::{LANES, Lanes};
+use multiversion::multiversion;
+
+pub(super) const KEYS: &[Key] = &[
+    Key {
+        name: "k_p",
+        kind: Kind::Number { unit: "1/s", min: 0.0, max: 1e6 },
+        default: "1.0",
+        help: "acceleration per speed error",
+    },
+    Key {
+        name: "k_i",
+        kind: Kind::Number { unit: "1/s2", min: 0.0, max: 1e6 },
+        default: "1.0",
+        help: "acceleration per integrated speed error",
+    },
+    Key {
+        name: "k_d",
+        kind: Kind::Number { unit: "-", min: 0.0, max: 1e3 },
+        default: "0.0",
+        help: "acceleration per rate of the speed error",
+    },
+    Key {
+        name: "k_ff",
+        kind: Kind::Number { unit: "-", min: 0.0, max: 10.0 },
+        default: "1.0",
+        help: "share of the reference's rate that is fed forward",
+    },
+    Key {
+        name: "reference_rate_max_mps2",
+        kind: Kind::Number { unit: "m/s2", min: 0.0, max: 1e6 },
+        default: "20.0",
+        help: "rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether",
+    },
+];
+
+pub(super) fn build(values: &Values, period_s: f64) -> Box<dyn Controller> {
+    let law = Law {
+        k_p: values.number("k_p"),
+        k_i_dt: values.number("k_i") * period_s,
+        k_d_per_dt: values.number("k_d") / period_s,
+        k_ff: values.number("k_ff"),
+        rate_max_mps2: values.number("reference_rate_max_mps2"),
+    };
+    Box::new(Pid { law, memory: Memory::default() })
+}
+
+/// The gains per period [1/s].
+struct Law {
+    k_p: f64,
+    k_i_dt: f64,
+    k_d_per_dt: f64,
+    k_ff: f64,
+    rate_max_mps2: f64,
+}
+
+/// What one period leaves to the next.
+#[derive(Default)]
+struct Memory {
+    /// The limited acceleration a*_{k−1} [m/s²].
+    accel: Lanes,
+    /// e_{k−1} [m/s].
+    error: Lanes,
+    /// e_{k−1} − e_{k−2} [m/s].
+    change: Lanes,
+    /// ẏ_r,k−1 [m/s²].
+    rate: Lanes,
+}
+
+struct Pid {
+    law: Law,
+    memory: Memory,
+}
+
+impl Controller for Pid {
+    fn command(&mut self, observation: &Observation, command: &mut Command) {
+        velocity_form(&self.law, observation, &mut self.memory, command);
+    }
+
+    fn feedback(&mut self, actuation: &Actuation) {
+        self.memory.accel = actuation.saturated_mps2;
+    }
+
+    fn reset(&mut self, slot: usize, _speed_mps: f64) {
+        let memory = &mut self.memory;
+        for column in [&mut memory.accel, &mut memory.error, &mut memory.change, &mut memory.rate] {
+            column[slot] = 0.0;
+        }
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
+fn velocity_form(law: &Law, observed: &Observation, memory: &mut Memory, command: &mut Command) {
+    for i in 0..LANES {
+        let rate = observed.reference_rate_mps2[i];
+        let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
+        let e = observed.measured_mps[i] - observed.reference_mps[i];
+        let change = e - memory.error[i];
+        let accel = memory.accel[i] + law.k_ff * (rate - memory.rate[i])
+            - law.k_p * change
+            - law.k_i_dt * e
+            - law.k_d_per_dt * (change - memory.change[i]);
+        memory.error[i] = e;
+        memory.change[i] = change;
+        memory.rate[i] = rate;
+
+        let torque_per_accel = observed.nominal_nm_per_mps2[i];
+        command.torque_nm[i] = accel * torque_per_accel;
+        command.gain_mps2_per_nm[i] = if torque_per_accel > 0.0 { 1.0 / torque_per_accel } else { 0.0 };
+    }
+}

@@ -1,0 +1,289 @@
+//! The coupling of fleet and SUMO. One message and one reply per SUMO step:
+//!
+//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then subscriptions of
+//!    newcomers, and the step, last.
+//! 2. The reply's speed is v*, what SUMO's car-following, lights, right of way and stops chose from there.
+//! 3. Body and controller run the *same* interval after the reply, along the ramp to v* (see
+//!    [`crate::fleet::block`]). The speed they reach goes into the next message.
+//!
+//! The two loops that come to mind first do not work: commanding `setSpeed` with a speed derived from SUMO's "speed
+//! without TraCI" freezes every car, because SUMO bounds that value by the command itself; and handing v* to the
+//! controller as a step makes cars creep, because v* is never more than a·dt ahead.
+//!
+//! Targets `limit` and `profile` turn the order round: the body runs first and leads, SUMO is told `setSpeed`
+//! ([`lead`]).
+
+pub mod bodies;
+pub mod book;
+pub mod lead;
+pub mod newcomers;
+pub mod self_check;
+pub mod state;
+
+use crate::fleet::block::Follow;
+use crate::fleet::{Clockwork, GroupSetup};
+use crate::reference::profile::Profile;
+use crate::registry::UnknownName;
+use crate::scenario::{Group, Selector};
+use crate::traci::{self, Batch, Client, Domain};
+use book::{EgoKey, Presence, Reason};
+use newcomers::TypeBook;
+use state::State;
+
+/// TraCI variables that are read in every step.
+mod variable {
+    pub const SPEED: u8 = 0x40;
+    pub const ANGLE: u8 = 0x43;
+    pub const LANE_ID: u8 = 0x51;
+    pub const TIME: u8 = 0x66;
+    pub const DEPARTED: u8 = 0x74;
+    pub const ARRIVED: u8 = 0x7a;
+    pub const TELEPORT_START: u8 = 0x76;
+    pub const COLLIDING: u8 = 0x81;
+    pub const EXPECTED: u8 = 0x7d;
+}
+
+/// What can go wrong between fleet and SUMO.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CosimError {
+    /// The connection, or SUMO.
+    #[error(transparent)]
+    Traci(#[from] traci::Error),
+    /// A batch that must not be sent.
+    #[error(transparent)]
+    Batch(#[from] traci::BatchError),
+    /// Bytes that are not TraCI.
+    #[error("SUMO's answer cannot be understood: {0}")]
+    Decode(#[from] traci::DecodeError),
+    /// A name that no registry has.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
+    /// A `mfc.*` parameter of a vehicle or vType.
+    #[error("vehicle \"{vehicle}\", parameter {key}: found \"{found}\", wanted {wanted}")]
+    Parameter {
+        /// The vehicle.
+        vehicle: String,
+        /// The parameter.
+        key: String,
+        /// Its value.
+        found: String,
+        /// What it should be.
+        wanted: String,
+    },
+    /// SUMO's step is not a whole number of control periods.
+    #[error("SUMO steps by {step_s} s, which is not a whole number of control periods of {period_s} s")]
+    Step {
+        /// SUMO's step [s].
+        step_s: f64,
+        /// Control period [s].
+        period_s: f64,
+    },
+}
+
+/// Where a group's target speed comes from.
+pub enum Mode {
+    /// SUMO's own choice.
+    Traffic,
+    /// The limit of the lane.
+    Limit,
+    /// A profile.
+    Profile(Box<Profile>),
+}
+
+/// Ways to get the coupling wrong, so that the self-check can be shown to notice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fault {
+    /// None: the contract.
+    #[default]
+    None,
+    /// v* is given to the controller as a step.
+    StepReference,
+    /// The target is "speed without TraCI" under `setSpeed`.
+    SpeedWithoutTraci,
+    /// The body's speed is not sent back.
+    NotSentBack,
+}
+
+/// What a world is made of.
+pub struct WorldSetup {
+    /// The scenario's groups; the first whose selector matches takes a vehicle.
+    pub groups: Vec<Group>,
+    /// The mode of each group.
+    pub modes: Vec<Mode>,
+    /// How each group's blocks are made.
+    pub blocks: Vec<GroupSetup>,
+    /// Which vehicles may become egos at all.
+    pub egos: Selector,
+    /// Plant, control period, memory of the reference.
+    pub clockwork: Clockwork,
+    /// Seed of everything that is drawn per vehicle.
+    pub seed: u64,
+    /// Driver imperfection given to every ego, if any.
+    pub sigma: Option<f64>,
+    /// For the self-check.
+    pub fault: Fault,
+}
+
+/// Fleet and SUMO, stepping together.
+pub struct World {
+    client: Client,
+    batch: Batch,
+    types: TypeBook,
+    groups: Vec<Group>,
+    egos: Selector,
+    seed: u64,
+    sigma: Option<f64>,
+    fault: Fault,
+    newcomers: Vec<EgoKey>,
+    /// What the replies said, and the fleet that follows them.
+    pub state: State,
+}
+
+impl World {
+    /// Joins SUMO: reads time and step length, subscribes to the simulation and finds the vehicles that are there.
+    ///
+    /// # Errors
+    /// If SUMO does not answer, or its step is not a whole number of control periods.
+    pub async fn join(mut client: Client, setup: WorldSetup) -> Result<Self, CosimError> {
+        use variable::{ARRIVED, COLLIDING, DEPARTED, EXPECTED, TELEPORT_START, TIME};
+        let step_s = client.get(traci::simulation::STEP_LENGTH, "").await?;
+        let time_s = client.get(traci::simulation::TIME, "").await?;
+        let mut state = State::new(setup.clockwork, setup.blocks, setup.modes, step_s, time_s)?;
+        let mut batch = Batch::new();
+        let events = [TIME, DEPARTED, ARRIVED, TELEPORT_START, COLLIDING, EXPECTED];
+        batch.subscribe(Domain::Simulation, "", &events, time_s)?;
+        let present = batch.get(traci::vehicle::ID_LIST, "")?;
+        let expected = batch.get(traci::simulation::MIN_EXPECTED_NUMBER, "")?;
+        let reply = client.exchange(&batch).await?;
+        state.waiting = reply.get(present)?;
+        state.expected = reply.get(expected)?;
+        Ok(Self {
+            client,
+            batch,
+            types: TypeBook::default(),
+            groups: setup.groups,
+            egos: setup.egos,
+            seed: setup.seed,
+            sigma: setup.sigma,
+            fault: setup.fault,
+            newcomers: Vec::new(),
+            state,
+        })
+    }
+
+    /// One SUMO step.
+    ///
+    /// # Errors
+    /// If SUMO ends, answers nonsense, or a newcomer's parameters are wrong.
+    pub async fn step(&mut self) -> Result<(), CosimError> {
+        self.admit_waiting().await?;
+        self.learn_lane_limits().await?;
+        self.state.advance_leaders();
+        let readings = self.compose()?;
+        let reply = self.client.exchange(&self.batch).await?;
+        self.state.absorb(&reply, readings)?;
+        self.state.settle_events();
+        let follow = if self.fault == Fault::StepReference { Follow::Target } else { Follow::Traffic };
+        self.state.advance_followers(follow);
+        if self.state.colliding {
+            self.count_collisions().await?;
+        }
+        Ok(())
+    }
+
+    /// Writes the message of a step. Returns the number of the first reading, if this step reads odometers and roads.
+    fn compose(&mut self) -> Result<Option<usize>, CosimError> {
+        self.batch.clear();
+        let newcomers = std::mem::take(&mut self.newcomers);
+        let state = &self.state;
+        for key in &newcomers {
+            lead::take_over(&mut self.batch, &state.book[*key], &state.fleet, self.sigma)?;
+        }
+        for key in state.book.keys() {
+            let ego = &state.book[*key];
+            if ego.presence == Presence::Teleporting {
+                continue;
+            }
+            let (block, lane) = (state.fleet.block(ego.slot), ego.slot.lane());
+            let speed_mps = block.speed_mps(lane);
+            match (&ego.lead, self.fault) {
+                (Some(lead), _) => self.batch.set_speed(&ego.prefix, lead.command_mps)?,
+                (None, Fault::NotSentBack) => continue,
+                (None, Fault::SpeedWithoutTraci) => self.batch.set_speed(&ego.prefix, speed_mps)?,
+                (None, _) => self.batch.set_previous_speed(&ego.prefix, speed_mps, block.acceleration_mps2(lane))?,
+            };
+        }
+        let readings = if state.reads_now() { Some(self.batch.len()) } else { None };
+        if readings.is_some() {
+            for ego in state.book.iter() {
+                self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
+                self.batch.get_by_prefix(traci::vehicle::ROAD_ID, &ego.prefix)?;
+            }
+        }
+        for key in &newcomers {
+            let ego = &state.book[*key];
+            let speed = if self.fault == Fault::SpeedWithoutTraci { 0xb1 } else { variable::SPEED };
+            let wanted = [speed, variable::ANGLE, variable::LANE_ID];
+            let wanted = if ego.lead.is_some() { &wanted[..] } else { &wanted[..2] };
+            self.batch.subscribe(Domain::Vehicle, &ego.id, wanted, state.time_s)?;
+        }
+        self.batch.step()?;
+        Ok(readings)
+    }
+
+    /// The limits of lanes that leading egos have come to.
+    async fn learn_lane_limits(&mut self) -> Result<(), CosimError> {
+        if self.state.unknown_lanes.is_empty() {
+            return Ok(());
+        }
+        self.batch.clear();
+        let lanes = std::mem::take(&mut self.state.unknown_lanes);
+        let mut limits = Vec::with_capacity(lanes.len());
+        for lane in &lanes {
+            limits.push(self.batch.get(traci::lane::MAX_SPEED, lane)?);
+        }
+        let reply = self.client.exchange(&self.batch).await?;
+        for (lane, limit) in lanes.into_iter().zip(limits) {
+            self.state.lane_limits_mps.insert(lane, reply.get(limit)?);
+        }
+        self.state.renew_limits();
+        Ok(())
+    }
+
+    async fn count_collisions(&mut self) -> Result<(), CosimError> {
+        let collisions = self.client.get(traci::simulation::COLLISIONS, "").await?;
+        self.state.count_collisions(collisions.iter().map(|c| (c.collider.as_str(), c.victim.as_str())));
+        Ok(())
+    }
+
+    /// Reads odometers and roads once more, gives every vehicle back to SUMO as it was, and ends all records.
+    ///
+    /// # Errors
+    /// If SUMO has ended.
+    pub async fn hand_back(&mut self) -> Result<(), CosimError> {
+        self.batch.clear();
+        for ego in self.state.book.iter() {
+            self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
+            self.batch.get_by_prefix(traci::vehicle::ROAD_ID, &ego.prefix)?;
+        }
+        for ego in self.state.book.iter() {
+            lead::hand_back(&mut self.batch, ego)?;
+            self.batch.unsubscribe(Domain::Vehicle, &ego.id)?;
+        }
+        self.batch.unsubscribe(Domain::Simulation, "")?;
+        let reply = self.client.exchange(&self.batch).await?;
+        self.state.take_readings(&reply, 0);
+        self.state.end_all(Reason::Running);
+        Ok(())
+    }
+
+    /// Leaves SUMO.
+    ///
+    /// # Errors
+    /// If SUMO does not answer.
+    pub async fn close(self) -> Result<State, CosimError> {
+        self.client.close().await?;
+        Ok(self.state)
+    }
+}

@@ -1,0 +1,202 @@
+//! Which body a SUMO vehicle gets: by vehicle class, then by what SUMO knows of the vType, then by the scenario's group,
+//! then by `<param key="mfc....">` of vType and vehicle. Two-wheelers, rail, ships and pedestrians stay SUMO's own.
+
+use super::CosimError;
+use crate::fleet::{ActuatorSetup, VehicleSetup};
+use crate::keys::{Key, Kind, Value, Values};
+use crate::plant::{BODIES, BODY_KEYS, Body};
+use crate::random::Stream;
+use crate::registry::find;
+use crate::scenario::Group;
+
+/// What is asked of SUMO about a vType.
+#[derive(Debug, Clone, Default)]
+pub struct TypeFacts {
+    /// vClass.
+    pub class: String,
+    /// Length [m].
+    pub length_m: f64,
+    /// Mass [kg]; SUMO before 1.21 does not tell one.
+    pub mass_kg: Option<f64>,
+    /// Largest acceleration [m/s²].
+    pub accel_mps2: f64,
+    /// Hardest braking [m/s²].
+    pub emergency_decel_mps2: f64,
+    /// `mfc.*` parameters, by key of [`PARAMETERS`].
+    pub parameters: Vec<(usize, String)>,
+    /// `has.mfc.device`.
+    pub equipped: Option<bool>,
+    /// `device.mfc.probability`.
+    pub probability: Option<f64>,
+}
+
+/// The actuators' keys as vehicle parameters.
+const ACTUATOR_KEYS: &[Key] = &[
+    Key {
+        name: "delay_s",
+        kind: Kind::Number { unit: "s", min: 0.0, max: DEAD_TIME_MAX_S },
+        default: "",
+        help: "dead time between command and torque",
+    },
+    Key {
+        name: "lag_s",
+        kind: Kind::Number { unit: "s", min: 0.0, max: 5.0 },
+        default: "",
+        help: "time constant of the torque behind the dead time",
+    },
+];
+
+/// Largest dead time that a vehicle parameter may ask for [s].
+pub const DEAD_TIME_MAX_S: f64 = 5.0;
+
+/// All keys that a vehicle or vType may carry as `mfc.<key>`.
+pub fn parameter_keys() -> impl Iterator<Item = &'static Key> {
+    BODY_KEYS.iter().filter(|k| !matches!(k.kind, Kind::File)).chain(ACTUATOR_KEYS)
+}
+
+/// Names under which SUMO is asked for the parameter of a key: `mfc.mass_kg` and, shorter, `mfc.mass`.
+pub fn parameter_names(key: &Key) -> Vec<String> {
+    let mut names = vec![format!("mfc.{}", key.name)];
+    if let Kind::Number { unit, .. } = key.kind
+        && unit != "-"
+        && let Some((short, _)) = key.name.rsplit_once('_')
+    {
+        names.push(format!("mfc.{short}"));
+    }
+    names
+}
+
+/// The preset for a vClass; `None` for what has no four wheels.
+pub fn preset_of_class(class: &str) -> Option<&'static str> {
+    match class {
+        "motorcycle" | "moped" | "bicycle" | "scooter" | "pedestrian" | "wheelchair" | "tram" | "rail_urban" | "rail"
+        | "rail_electric" | "rail_fast" | "subway" | "cable_car" | "ship" | "container" | "aircraft" | "drone" => None,
+        "delivery" => Some("van"),
+        "bus" | "coach" => Some("bus"),
+        "truck" | "trailer" => Some("truck"),
+        _ => Some("car"),
+    }
+}
+
+/// Builds the vehicle `id` of `group`.
+///
+/// # Errors
+/// If a `mfc.*` parameter is not what its key takes.
+pub fn vehicle(
+    id: &str,
+    facts: &TypeFacts,
+    parameters: &[(usize, String)],
+    group: &Group,
+    seed: u64,
+    speed_mps: f64,
+) -> Result<VehicleSetup, CosimError> {
+    let preset = group.vehicle.preset.as_deref().or(preset_of_class(&facts.class)).unwrap_or("car");
+    let mut body = (find("body", BODIES, preset)?.build)();
+    if group.vehicle.preset.is_none() && matches!(preset, "bus" | "truck") {
+        scale(&mut body, facts);
+    }
+    body.apply(&group.vehicle.values);
+    let nominal_nm_per_mps2 = body.nominal_nm_per_mps2();
+    cover_type(&mut body, facts, &group.vehicle.values);
+
+    let mut given = Values::default();
+    for (key, distribution) in &group.vehicle.spread {
+        given.0.insert(key, Value::Number(distribution.draw(seed, key, id)));
+    }
+    for (index, text) in facts.parameters.iter().chain(parameters) {
+        let key = parameter_keys().nth(*index).expect("an index of parameter_keys()");
+        given.0.insert(key.name, parse(id, key, text)?);
+    }
+    let actuator = ActuatorSetup {
+        dead_time_s: given.try_number("delay_s").unwrap_or_else(|| group.actuator.delay_s.of(seed, "delay_s", id)),
+        lag_s: given.try_number("lag_s").unwrap_or_else(|| group.actuator.lag_s.of(seed, "lag_s", id)),
+    };
+    body.apply(&given);
+    let noise = group.noise_power_db.map(|db| (Stream::new(seed, "noise", id), libm::pow(10.0, db / 20.0)));
+    Ok(VehicleSetup { body, nominal_nm_per_mps2, actuator, noise, speed_mps })
+}
+
+/// A bus or truck of another mass and length than the preset's: axles move with the length, inertia with both, and the
+/// actuators stay as strong per mass.
+fn scale(body: &mut Body, facts: &TypeFacts) {
+    const PRESET_LENGTH_PER_WHEELBASE: f64 = 2.0;
+    let length_ratio = facts.length_m / (PRESET_LENGTH_PER_WHEELBASE * body.wheelbase_m());
+    let mass_ratio = facts.mass_kg.map_or(1.0, |m| m / body.mass_kg);
+    if length_ratio > 0.0 && mass_ratio > 0.0 {
+        body.front_axle_m *= length_ratio;
+        body.rear_axle_m *= length_ratio;
+        body.mass_kg *= mass_ratio;
+        body.yaw_inertia_kgm2 *= mass_ratio * length_ratio * length_ratio;
+        body.drive_torque_max_nm *= mass_ratio;
+        body.brake_torque_max_nm *= mass_ratio;
+    }
+}
+
+/// Torque limits that the scenario does not set are at least what the vType's accel and emergencyDecel ask for; what
+/// the tyres make of it is the tyres' affair.
+fn cover_type(body: &mut Body, facts: &TypeFacts, set: &Values) {
+    /// Reserve for catching up with the reference.
+    const MARGIN: f64 = 1.15;
+    let wheels = 4.0 * body.wheel_inertia_kgm2 / body.wheel_radius_m;
+    let torque_per_mps2 = MARGIN * (body.nominal_nm_per_mps2() + wheels);
+    if set.try_number("drive_torque_max_nm").is_none() {
+        body.drive_torque_max_nm = body.drive_torque_max_nm.max(facts.accel_mps2 * torque_per_mps2);
+    }
+    if set.try_number("brake_torque_max_nm").is_none() {
+        body.brake_torque_max_nm = body.brake_torque_max_nm.max(facts.emergency_decel_mps2 * torque_per_mps2);
+    }
+}
+
+fn parse(id: &str, key: &Key, text: &str) -> Result<Value, CosimError> {
+    let value = match key.kind {
+        Kind::Flag => text.parse().ok().map(Value::Flag),
+        Kind::Number { min, max, .. } => {
+            text.parse::<f64>().ok().filter(|x| (min..=max).contains(x)).map(Value::Number)
+        }
+        _ => None,
+    };
+    value.ok_or_else(|| CosimError::Parameter {
+        vehicle: id.to_owned(),
+        key: format!("mfc.{}", key.name),
+        found: text.to_owned(),
+        wanted: match key.kind {
+            Kind::Number { unit, min, max } => format!("a number from {min} to {max} {unit}"),
+            _ => "true or false".to_owned(),
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_have_a_short_name_without_the_unit() {
+        let mass = BODY_KEYS.iter().find(|k| k.name == "mass_kg").unwrap();
+        assert_eq!(parameter_names(mass), ["mfc.mass_kg", "mfc.mass"]);
+        let friction = BODY_KEYS.iter().find(|k| k.name == "friction").unwrap();
+        assert_eq!(parameter_names(friction), ["mfc.friction"]);
+    }
+
+    #[test]
+    fn four_wheels_or_none() {
+        assert_eq!(preset_of_class("passenger"), Some("car"));
+        assert_eq!(preset_of_class("coach"), Some("bus"));
+        assert_eq!(preset_of_class("delivery"), Some("van"));
+        assert_eq!(preset_of_class("bicycle"), None);
+        assert_eq!(preset_of_class("rail_urban"), None);
+    }
+
+    #[test]
+    fn a_heavier_longer_bus_keeps_its_strength_per_mass() {
+        let mut bus = (find("body", BODIES, "bus").unwrap().build)();
+        let before = bus.clone();
+        let facts =
+            TypeFacts { length_m: 18.0, mass_kg: Some(2.0 * before.mass_kg), ..TypeFacts::default() };
+        scale(&mut bus, &facts);
+        assert_eq!(bus.mass_kg, 2.0 * before.mass_kg);
+        assert!((bus.wheelbase_m() - 9.0).abs() < 1e-9);
+        let per_mass = |b: &Body| b.brake_torque_max_nm / b.mass_kg;
+        assert!((per_mass(&bus) - per_mass(&before)).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,253 @@
+//! Vehicles that have departed: what must be known of them, who becomes an ego, and with which body.
+//!
+//! A vehicle that SUMO reports as departed has not moved yet. One more exchange, only in steps with departures, asks for
+//! its type, speed and parameters (and once for those of a new type), so that the next message can already carry its
+//! body's speed and its subscription.
+
+use super::bodies::{self, TypeFacts, parameter_keys, parameter_names, preset_of_class};
+use super::book::{Before, Ego, EgoKey, Lead, Presence};
+use super::{CosimError, Mode, World};
+use crate::random::Stream;
+use crate::scenario::EgoInfo;
+use crate::traci::{Batch, Handle, Prefix, Reply, vehicle, vehicletype};
+use std::collections::HashMap;
+
+/// What is known of vTypes.
+#[derive(Default)]
+pub struct TypeBook(HashMap<String, TypeFacts>);
+
+/// Where the answers about one vehicle will be.
+struct Questions {
+    id: String,
+    prefix: Prefix,
+    type_id: Handle<String>,
+    speed: Handle<f64>,
+    odometer: Handle<f64>,
+    equipped: Handle<String>,
+    parameters: Vec<(usize, Handle<String>)>,
+    sigma: Option<Handle<f64>>,
+    lead: Option<LeadQuestions>,
+}
+
+struct LeadQuestions {
+    speed_factor: Handle<f64>,
+    accel: Handle<f64>,
+    decel: Handle<f64>,
+    speed_mode: Handle<i32>,
+    lane: Handle<String>,
+}
+
+/// The answers about one vehicle.
+struct Facts {
+    id: String,
+    prefix: Prefix,
+    type_id: String,
+    /// `None` while SUMO carries it.
+    speed_mps: Option<f64>,
+    odometer_m: f64,
+    equipped: Option<bool>,
+    parameters: Vec<(usize, String)>,
+    sigma: Option<f64>,
+    lead: Option<(Before, String)>,
+}
+
+impl World {
+    /// Decides on all vehicles that have departed since the last step.
+    pub(super) async fn admit_waiting(&mut self) -> Result<(), CosimError> {
+        if self.state.waiting.is_empty() {
+            return Ok(());
+        }
+        let facts = self.ask_vehicles().await?;
+        self.ask_types(&facts).await?;
+        for vehicle in facts {
+            self.admit(vehicle)?;
+        }
+        Ok(())
+    }
+
+    async fn ask_vehicles(&mut self) -> Result<Vec<Facts>, CosimError> {
+        self.batch.clear();
+        let leads = self.state.modes.iter().any(|m| !matches!(m, Mode::Traffic));
+        let mut asked = Vec::with_capacity(self.state.waiting.len());
+        for id in std::mem::take(&mut self.state.waiting) {
+            match Prefix::new(&id) {
+                Ok(prefix) => asked.push(ask_vehicle(&mut self.batch, id, prefix, leads, self.sigma.is_some())?),
+                Err(error) => self.state.refused.push((id, error.to_string())),
+            }
+        }
+        if asked.is_empty() {
+            return Ok(Vec::new());
+        }
+        let reply = self.client.exchange(&self.batch).await?;
+        Ok(asked.into_iter().filter_map(|questions| questions.answers(&reply)).collect())
+    }
+
+    async fn ask_types(&mut self, vehicles: &[Facts]) -> Result<(), CosimError> {
+        let mut unknown: Vec<&str> = vehicles.iter().map(|v| v.type_id.as_str()).collect();
+        unknown.retain(|t| !self.types.0.contains_key(*t));
+        unknown.sort_unstable();
+        unknown.dedup();
+        if unknown.is_empty() {
+            return Ok(());
+        }
+        self.batch.clear();
+        let batch = &mut self.batch;
+        let mut asked = Vec::new();
+        for id in unknown {
+            let class = batch.get(vehicletype::VEHICLE_CLASS, id)?;
+            let numbers = [
+                batch.get(vehicletype::LENGTH, id)?,
+                batch.get(vehicletype::ACCEL, id)?,
+                batch.get(vehicletype::EMERGENCY_DECEL, id)?,
+                batch.get(vehicletype::MASS, id)?,
+            ];
+            let equipped = batch.get_with(vehicletype::PARAMETER, id, "has.mfc.device")?;
+            let probability = batch.get_with(vehicletype::PARAMETER, id, "device.mfc.probability")?;
+            let parameters = ask_parameters(|name| batch.get_with(vehicletype::PARAMETER, id, name))?;
+            asked.push((id.to_owned(), class, numbers, equipped, probability, parameters));
+        }
+        let reply = self.client.exchange(&self.batch).await?;
+        for (id, class, [length, accel, emergency_decel, mass], equipped, probability, parameters) in asked {
+            let facts = TypeFacts {
+                class: reply.get(class)?,
+                length_m: reply.get(length)?,
+                // Older SUMO knows no mass; then the preset's stands.
+                mass_kg: reply.get(mass).ok(),
+                accel_mps2: reply.get(accel)?,
+                emergency_decel_mps2: reply.get(emergency_decel)?,
+                parameters: answers_of(&reply, &parameters),
+                equipped: reply.get(equipped).ok().and_then(|text| text.parse().ok()),
+                probability: reply.get(probability).ok().and_then(|text| text.parse().ok()),
+            };
+            self.types.0.insert(id, facts);
+        }
+        Ok(())
+    }
+
+    fn admit(&mut self, vehicle: Facts) -> Result<(), CosimError> {
+        let Some(speed_mps) = vehicle.speed_mps else {
+            // Departed and carried away at once: ask again when it is back.
+            self.state.waiting.push(vehicle.id);
+            return Ok(());
+        };
+        let facts = &self.types.0[&vehicle.type_id];
+        if preset_of_class(&facts.class).is_none() {
+            *self.state.others.entry(facts.class.clone()).or_default() += 1;
+            return Ok(());
+        }
+        let drawn = |share: f64| Stream::new(self.seed, "device.mfc", &vehicle.id).uniform() < share;
+        let param = vehicle.equipped.or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
+        let info = EgoInfo { id: &vehicle.id, type_id: &vehicle.type_id, class: &facts.class, param };
+        let matched = self.groups.iter().position(|g| g.select.matches(&info, self.seed));
+        let Some(group) = matched.filter(|_| self.egos.matches(&info, self.seed)) else {
+            self.state.unequipped += 1;
+            return Ok(());
+        };
+        let setup =
+            bodies::vehicle(&vehicle.id, facts, &vehicle.parameters, &self.groups[group], self.seed, speed_mps)?;
+        let state = &mut self.state;
+        let slot = state.fleet.admit(group, setup);
+        let leads = !matches!(state.modes[group], Mode::Traffic);
+        let (before, lane) = vehicle.lead.filter(|_| leads).unzip();
+        let lead = before.map(|before| Lead { before, limit_mps: speed_mps, command_mps: speed_mps, clamp_mps: None });
+        if let Some(lane) = &lane
+            && !state.unknown_lanes.contains(lane)
+        {
+            state.unknown_lanes.push(lane.clone());
+        }
+        let key: EgoKey = state.book.insert(Ego {
+            id: vehicle.id,
+            type_id: vehicle.type_id,
+            group,
+            slot,
+            // It was inserted at the end of the step before the one that it will move in.
+            depart_s: state.time_s - if state.has_stepped() { state.step_s } else { 0.0 },
+            prefix: vehicle.prefix,
+            presence: Presence::Driving,
+            odometer_offset_m: vehicle.odometer_m,
+            odometer_gap_m: None,
+            edge: None,
+            lead,
+            lane,
+            sigma_before: vehicle.sigma,
+            seen_in_step: 0,
+        });
+        self.newcomers.push(key);
+        Ok(())
+    }
+}
+
+fn ask_vehicle(
+    batch: &mut Batch,
+    id: String,
+    prefix: Prefix,
+    leads: bool,
+    sigma: bool,
+) -> Result<Questions, CosimError> {
+    let lead = if leads {
+        Some(LeadQuestions {
+            speed_factor: batch.get(vehicle::SPEED_FACTOR, &id)?,
+            accel: batch.get(vehicle::ACCEL, &id)?,
+            decel: batch.get(vehicle::DECEL, &id)?,
+            speed_mode: batch.get(vehicle::SPEED_MODE, &id)?,
+            lane: batch.get(vehicle::LANE_ID, &id)?,
+        })
+    } else {
+        None
+    };
+    Ok(Questions {
+        type_id: batch.get(vehicle::TYPE_ID, &id)?,
+        speed: batch.get(vehicle::SPEED, &id)?,
+        odometer: batch.get(vehicle::DISTANCE, &id)?,
+        equipped: batch.get_with(vehicle::PARAMETER, &id, "has.mfc.device")?,
+        parameters: ask_parameters(|name| batch.get_with(vehicle::PARAMETER, &id, name))?,
+        sigma: if sigma { Some(batch.get(vehicle::IMPERFECTION, &id)?) } else { None },
+        lead,
+        id,
+        prefix,
+    })
+}
+
+fn ask_parameters<E>(
+    mut ask: impl FnMut(&str) -> Result<Handle<String>, E>,
+) -> Result<Vec<(usize, Handle<String>)>, E> {
+    let mut asked = Vec::new();
+    for (index, key) in parameter_keys().enumerate() {
+        for name in parameter_names(key) {
+            asked.push((index, ask(&name)?));
+        }
+    }
+    Ok(asked)
+}
+
+fn answers_of(reply: &Reply<'_>, asked: &[(usize, Handle<String>)]) -> Vec<(usize, String)> {
+    let given = asked.iter().filter_map(|(index, handle)| Some((*index, reply.get(*handle).ok()?)));
+    given.filter(|(_, text)| !text.is_empty()).collect()
+}
+
+impl Questions {
+    /// `None` if the vehicle has left in the meantime.
+    fn answers(self, reply: &Reply<'_>) -> Option<Facts> {
+        let lead = self.lead.and_then(|lead| {
+            let before = Before {
+                speed_factor: reply.get(lead.speed_factor).ok()?,
+                accel_mps2: reply.get(lead.accel).ok()?,
+                decel_mps2: reply.get(lead.decel).ok()?,
+                speed_mode: reply.get(lead.speed_mode).ok()?,
+            };
+            Some((before, reply.get(lead.lane).ok()?))
+        });
+        Some(Facts {
+            type_id: reply.get(self.type_id).ok()?,
+            speed_mps: reply.get(self.speed).ok(),
+            odometer_m: reply.get(self.odometer).unwrap_or(0.0),
+            // SUMO answers "false" for every device that it does not know itself.
+            equipped: reply.get(self.equipped).ok().filter(|text| text == "true").map(|_| true),
+            parameters: answers_of(reply, &self.parameters),
+            sigma: self.sigma.and_then(|sigma| reply.get(sigma).ok()),
+            lead,
+            id: self.id,
+            prefix: self.prefix,
+        })
+    }
+}

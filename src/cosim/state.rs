@@ -1,0 +1,460 @@
+//! What the replies say, slot by slot, and the fleet that follows them: departures, arrivals, teleports, clamps,
+//! odometers, roads and collisions.
+
+use super::book::{Book, Ego, EgoKey, Presence, Reason};
+use super::{CosimError, Mode, variable};
+use crate::fleet::block::{Bound, Follow};
+use crate::fleet::{Clockwork, Fleet, GroupSetup};
+use crate::stats::{Sums, VehicleStats};
+use crate::traci::{Block, Domain, Reply};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// A reply's speed this far below the command means that SUMO clamped it [m/s].
+const CLAMP_MPS: f64 = 1e-6;
+
+/// One ego's record when its time is over.
+pub struct Finished {
+    /// SUMO's id.
+    pub id: String,
+    /// vType.
+    pub type_id: String,
+    /// Index of its group.
+    pub group: usize,
+    /// Time of departure [s].
+    pub depart_s: f64,
+    /// End of the step in which it arrived [s].
+    pub arrival_s: Option<f64>,
+    /// Why the record ends.
+    pub reason: Reason,
+    /// Its statistics.
+    pub stats: VehicleStats,
+    /// ∫V_x dt [m].
+    pub distance_m: f64,
+    /// SUMO's odometer minus that [m].
+    pub odometer_gap_m: Option<f64>,
+    /// Number of pairs of colliding vehicles that it was in.
+    pub collisions: u32,
+}
+
+/// What happens on each road, summed between readings.
+#[derive(Default)]
+pub struct Roads {
+    index: HashMap<String, u32>,
+    sums: Vec<Sums>,
+}
+
+impl Roads {
+    fn index(&mut self, name: &str) -> u32 {
+        if let Some(index) = self.index.get(name) {
+            return *index;
+        }
+        let index = u32::try_from(self.sums.len()).expect("fewer than 2^32 roads");
+        self.sums.push(Sums::default());
+        self.index.insert(name.to_owned(), index);
+        index
+    }
+
+    /// Roads and their sums, in no particular order.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Sums)> {
+        self.index.iter().map(|(name, index)| (name.as_str(), &self.sums[*index as usize]))
+    }
+}
+
+/// The fleet's side of the coupling.
+pub struct State {
+    /// Bodies and controllers.
+    pub fleet: Fleet,
+    /// Who is on the road.
+    pub book: Book,
+    /// Simulation time at the end of the last step [s].
+    pub time_s: f64,
+    /// SUMO's step [s].
+    pub step_s: f64,
+    /// Vehicles that SUMO still expects.
+    pub expected: i32,
+    /// Records that have ended since they were last taken.
+    pub finished: Vec<Finished>,
+    /// Tables by road.
+    pub roads: Roads,
+    /// Departed vehicles without a body of ours, by vClass.
+    pub others: BTreeMap<String, u64>,
+    /// Departed vehicles that the selectors left to SUMO.
+    pub unequipped: u64,
+    /// Departed vehicles that were to be egos but cannot be, with the reason.
+    pub refused: Vec<(String, String)>,
+    /// Vehicles that departed, all of them.
+    pub departed: u64,
+    /// Vehicles that arrived, all of them.
+    pub arrived: u64,
+    /// Teleports that started.
+    pub teleports: u64,
+    pub(super) modes: Vec<Mode>,
+    /// Departed vehicles that are not decided on yet.
+    pub(super) waiting: Vec<String>,
+    pub(super) unknown_lanes: Vec<String>,
+    pub(super) lane_limits_mps: HashMap<String, f64>,
+    pub(super) colliding: bool,
+    pairs: HashSet<(String, String)>,
+    collisions: HashMap<String, u32>,
+    came: Vec<String>,
+    left: Vec<String>,
+    carried: Vec<String>,
+    lost: Vec<EgoKey>,
+    periods: u32,
+    step: u64,
+    read_every: u64,
+}
+
+impl State {
+    /// An empty fleet beside a SUMO at `time_s` with steps of `step_s` [s].
+    ///
+    /// # Errors
+    /// If the step is not a whole number of control periods.
+    pub fn new(
+        clockwork: Clockwork,
+        blocks: Vec<GroupSetup>,
+        modes: Vec<Mode>,
+        step_s: f64,
+        time_s: f64,
+    ) -> Result<Self, CosimError> {
+        let period_s = clockwork.period_s;
+        let periods = (step_s / period_s).round();
+        if periods < 1.0 || (periods * period_s - step_s).abs() > 1e-9 {
+            return Err(CosimError::Step { step_s, period_s });
+        }
+        Ok(Self {
+            fleet: Fleet::new(clockwork, blocks),
+            book: Book::default(),
+            time_s,
+            step_s,
+            expected: 0,
+            finished: Vec::new(),
+            roads: Roads::default(),
+            others: BTreeMap::new(),
+            unequipped: 0,
+            refused: Vec::new(),
+            departed: 0,
+            arrived: 0,
+            teleports: 0,
+            modes,
+            waiting: Vec::new(),
+            unknown_lanes: Vec::new(),
+            lane_limits_mps: HashMap::new(),
+            colliding: false,
+            pairs: HashSet::new(),
+            collisions: HashMap::new(),
+            came: Vec::new(),
+            left: Vec::new(),
+            carried: Vec::new(),
+            lost: Vec::new(),
+            periods: periods as u32,
+            step: 0,
+            read_every: (1.0 / step_s).round().max(1.0) as u64,
+        })
+    }
+
+    /// Pairs of vehicles that collided.
+    pub fn collision_pairs(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// True once SUMO has made a step with us.
+    pub(super) fn has_stepped(&self) -> bool {
+        self.step > 0
+    }
+
+    /// True if the message of the coming step asks for odometers and roads: once a second.
+    pub(super) fn reads_now(&self) -> bool {
+        self.step.is_multiple_of(self.read_every)
+    }
+
+    /// Reads the reply to a step.
+    pub(super) fn absorb(&mut self, reply: &Reply<'_>, readings: Option<usize>) -> Result<(), CosimError> {
+        if let Some(first) = readings {
+            self.take_readings(reply, first);
+        }
+        self.step += 1;
+        self.book.rewind();
+        self.lost.clear();
+        for block in reply.blocks() {
+            let block = block?;
+            match block.domain {
+                Some(Domain::Simulation) => self.see_simulation(&block)?,
+                Some(Domain::Vehicle) => self.see_vehicle(&block)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn see_simulation(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
+        self.colliding = false;
+        for list in [&mut self.came, &mut self.left, &mut self.carried] {
+            list.clear();
+        }
+        for entry in block.values() {
+            let (id, Ok(value)) = entry? else { continue };
+            let texts = value.as_texts().into_iter().flatten();
+            match id {
+                variable::TIME => self.time_s = value.as_f64().unwrap_or(self.time_s),
+                variable::EXPECTED => self.expected = value.as_i32().unwrap_or(self.expected),
+                variable::DEPARTED => self.came.extend(texts.map(str::to_owned)),
+                variable::ARRIVED => self.left.extend(texts.map(str::to_owned)),
+                variable::TELEPORT_START => self.carried.extend(texts.map(str::to_owned)),
+                variable::COLLIDING => self.colliding = texts.count() > 0,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn see_vehicle(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
+        let Some(key) = self.book.next_in_reply(block.id) else { return Ok(()) };
+        let ego = &mut self.book[key];
+        ego.seen_in_step = self.step;
+        let (speed, angle) = if ego.lead.is_some() {
+            let Some((speed, angle, lane)) = leading_values(block)? else {
+                self.lost.push(key);
+                return Ok(());
+            };
+            see_lane(ego, lane, &self.lane_limits_mps, &mut self.unknown_lanes);
+            (speed, angle)
+        } else {
+            let mut values = block.values();
+            let (Some(speed), Some(angle)) = (values.next(), values.next()) else { return Ok(()) };
+            let (Ok(speed), Ok(angle)) = (speed?.1, angle?.1) else {
+                self.lost.push(key);
+                return Ok(());
+            };
+            (speed.as_f64(), angle.as_f64())
+        };
+        match speed {
+            Some(speed_mps) => self.drive(key, speed_mps, angle),
+            None => self.carry(key),
+        }
+        Ok(())
+    }
+
+    /// The vehicle is on the road and SUMO tells its speed.
+    fn drive(&mut self, key: EgoKey, speed_mps: f64, angle_deg: Option<f64>) {
+        let ego = &mut self.book[key];
+        let lane = ego.slot.lane();
+        let block = self.fleet.block_mut(ego.slot);
+        if ego.presence == Presence::Teleporting {
+            ego.presence = Presence::Driving;
+            block.appear(lane, speed_mps);
+        }
+        block.see_speed(lane, speed_mps);
+        if let Some(angle_deg) = angle_deg {
+            // SUMO: clockwise from north. ISO: left positive; the offset does not matter for a change.
+            block.see_heading(lane, -angle_deg.to_radians(), self.step_s);
+        }
+        match &mut ego.lead {
+            None => block.set_target(lane, speed_mps, Bound::Traffic),
+            Some(lead) => {
+                let clamped = speed_mps < lead.command_mps - CLAMP_MPS;
+                lead.clamp_mps = clamped.then_some(speed_mps);
+                if clamped {
+                    block.set_bound(lane, Bound::Clamp);
+                }
+            }
+        }
+    }
+
+    /// SUMO carries the vehicle: it has no speed and nothing of it moves.
+    fn carry(&mut self, key: EgoKey) {
+        let ego = &mut self.book[key];
+        if ego.presence == Presence::Driving {
+            ego.presence = Presence::Teleporting;
+            self.fleet.block_mut(ego.slot).vanish(ego.slot.lane());
+        }
+    }
+
+    /// Comings and goings of the step just read.
+    pub(super) fn settle_events(&mut self) {
+        self.departed += self.came.len() as u64;
+        self.arrived += self.left.len() as u64;
+        self.teleports += self.carried.len() as u64;
+        for id in std::mem::take(&mut self.left) {
+            // A vehicle can depart and arrive within one step; it never had a body.
+            self.waiting.retain(|w| *w != id);
+            self.came.retain(|c| *c != id);
+            if let Some(key) = self.book.find(&id) {
+                let carried = self.book[key].presence == Presence::Teleporting;
+                self.end(key, if carried { Reason::TeleportedOut } else { Reason::Arrived });
+            }
+        }
+        for id in std::mem::take(&mut self.carried) {
+            // Carried and put down within the step: another place, another speed.
+            if let Some(key) = self.book.find(&id)
+                && self.book[key].presence == Presence::Driving
+            {
+                let slot = self.book[key].slot;
+                let block = self.fleet.block_mut(slot);
+                let speed_mps = block.sumo_mps(slot.lane());
+                block.appear(slot.lane(), speed_mps);
+            }
+        }
+        for key in std::mem::take(&mut self.lost) {
+            if self.book.contains(key) {
+                self.end(key, Reason::Removed);
+            }
+        }
+        let (book, step) = (&self.book, self.step);
+        let silent: Vec<EgoKey> = book.keys().iter().copied().filter(|k| book[*k].seen_in_step < step).collect();
+        for key in silent {
+            self.end(key, Reason::Removed);
+        }
+        self.waiting.append(&mut self.came);
+    }
+
+    /// Leaders drive the coming step: the body first, SUMO after it.
+    pub(super) fn advance_leaders(&mut self) {
+        if self.modes.iter().all(|m| matches!(m, Mode::Traffic)) {
+            return;
+        }
+        for key in self.book.keys().to_vec() {
+            let ego = &mut self.book[key];
+            let Some(lead) = &ego.lead else { continue };
+            let block = self.fleet.block_mut(ego.slot);
+            let (limit_mps, bound) = match &self.modes[ego.group] {
+                Mode::Profile(_) => (f64::INFINITY, Bound::Profile),
+                _ => (lead.limit_mps * lead.before.speed_factor, Bound::Limit),
+            };
+            match lead.clamp_mps {
+                Some(clamp_mps) if clamp_mps < limit_mps => block.set_target(ego.slot.lane(), clamp_mps, Bound::Clamp),
+                _ => block.set_target(ego.slot.lane(), limit_mps, bound),
+            }
+        }
+        for (group, mode) in self.modes.iter().enumerate() {
+            let follow = match mode {
+                Mode::Traffic => continue,
+                Mode::Limit => Follow::Target,
+                Mode::Profile(profile) => Follow::Profile(profile),
+            };
+            self.fleet.advance(self.periods, |b| b.group() == group, follow);
+        }
+        for key in self.book.keys().to_vec() {
+            let ego = &mut self.book[key];
+            let Some(lead) = &mut ego.lead else { continue };
+            let speed_mps = self.fleet.block(ego.slot).speed_mps(ego.slot.lane());
+            // A car that SUMO holds has to ask whether it may go, or it would stand for ever.
+            let probe = if lead.clamp_mps == Some(0.0) { super::lead::PROBE_MPS } else { 0.0 };
+            lead.command_mps = speed_mps.max(probe);
+        }
+    }
+
+    /// Followers drive the step that SUMO has just done, towards the speed that it chose.
+    pub(super) fn advance_followers(&mut self, follow: Follow) {
+        let modes = &self.modes;
+        self.fleet.advance(self.periods, |b| matches!(modes[b.group()], Mode::Traffic), follow);
+        self.fleet.close_step();
+        let sound = |ego: &Ego| self.fleet.block(ego.slot).is_sound(ego.slot.lane());
+        let broken: Vec<EgoKey> = self.book.keys().iter().copied().filter(|k| !sound(&self.book[*k])).collect();
+        for key in broken {
+            self.end(key, Reason::Diverged);
+        }
+    }
+
+    /// Odometers and roads, asked for from command `first` on, two commands per ego in order.
+    pub(super) fn take_readings(&mut self, reply: &Reply<'_>, first: usize) {
+        for (index, key) in self.book.keys().to_vec().into_iter().enumerate() {
+            let ego = &mut self.book[key];
+            let lane = ego.slot.lane();
+            let block = self.fleet.block_mut(ego.slot);
+            if let Some(odometer_m) = reply.f64(first + 2 * index) {
+                ego.odometer_gap_m = Some(odometer_m - ego.odometer_offset_m - block.distance_m(lane));
+            }
+            if let Some(road) = reply.text(first + 2 * index + 1).filter(|r| !r.is_empty()) {
+                let sums = block.take_sums(lane);
+                let edge = self.roads.index(road);
+                ego.edge = Some(edge);
+                self.roads.sums[edge as usize].add(&sums);
+            }
+        }
+    }
+
+    /// Limits that have become known.
+    pub(super) fn renew_limits(&mut self) {
+        for key in self.book.keys().to_vec() {
+            let ego = &mut self.book[key];
+            if let (Some(lead), Some(limit)) =
+                (&mut ego.lead, ego.lane.as_ref().and_then(|l| self.lane_limits_mps.get(l)))
+            {
+                lead.limit_mps = *limit;
+            }
+        }
+    }
+
+    /// Adds this step's colliding pairs to those known.
+    pub(super) fn count_collisions<'a>(&mut self, pairs: impl Iterator<Item = (&'a str, &'a str)>) {
+        for (a, b) in pairs {
+            let pair = if a <= b { (a.to_owned(), b.to_owned()) } else { (b.to_owned(), a.to_owned()) };
+            if self.pairs.insert(pair) {
+                for id in [a, b] {
+                    *self.collisions.entry(id.to_owned()).or_default() += 1;
+                }
+            }
+        }
+    }
+
+    fn end(&mut self, key: EgoKey, reason: Reason) {
+        let Some(ego) = self.book.remove(key) else { return };
+        let block = self.fleet.block_mut(ego.slot);
+        let distance_m = block.distance_m(ego.slot.lane());
+        if let Some(edge) = ego.edge {
+            let sums = block.take_sums(ego.slot.lane());
+            self.roads.sums[edge as usize].add(&sums);
+        }
+        let stats = self.fleet.release(ego.slot);
+        self.finished.push(Finished {
+            collisions: self.collisions.get(&ego.id).copied().unwrap_or(0),
+            id: ego.id,
+            type_id: ego.type_id,
+            group: ego.group,
+            depart_s: ego.depart_s,
+            arrival_s: matches!(reason, Reason::Arrived | Reason::TeleportedOut).then_some(self.time_s),
+            reason,
+            stats,
+            distance_m,
+            odometer_gap_m: ego.odometer_gap_m,
+        });
+    }
+
+    /// Ends every record: the run is over.
+    pub fn end_all(&mut self, reason: Reason) {
+        for key in self.book.keys().to_vec() {
+            self.end(key, reason);
+        }
+    }
+}
+
+type Leading<'a> = (Option<f64>, Option<f64>, Option<&'a str>);
+
+/// Speed, angle and lane of a leading ego; `None` if it is gone.
+fn leading_values<'a>(block: &Block<'a>) -> Result<Option<Leading<'a>>, CosimError> {
+    let mut found: Leading<'a> = (None, None, None);
+    for entry in block.values() {
+        let (id, Ok(value)) = entry? else { return Ok(None) };
+        match id {
+            variable::SPEED => found.0 = value.as_f64(),
+            variable::ANGLE => found.1 = value.as_f64(),
+            variable::LANE_ID => found.2 = value.as_str(),
+            _ => {}
+        }
+    }
+    Ok(Some(found))
+}
+
+fn see_lane(ego: &mut Ego, lane: Option<&str>, limits_mps: &HashMap<String, f64>, unknown: &mut Vec<String>) {
+    let (Some(lead), Some(lane)) = (&mut ego.lead, lane.filter(|l| !l.is_empty())) else { return };
+    if ego.lane.as_deref() == Some(lane) {
+        return;
+    }
+    match limits_mps.get(lane) {
+        Some(limit) => lead.limit_mps = *limit,
+        None if !unknown.iter().any(|u| u == lane) => unknown.push(lane.to_owned()),
+        None => {}
+    }
+    ego.lane = Some(lane.to_owned());
+}

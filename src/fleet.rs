@@ -1,0 +1,174 @@
+//! The closed loop on columns: the only place where plant, controller, measurement and statistics meet.
+//!
+//! One control period of one block, in order: measure -> law -> actuators -> steer -> body -> standstill -> statistics
+//! ([`block::Block::period`]). A [`Fleet`] is many blocks; every block belongs to one group of vehicles that share a
+//! controller and a target. Blocks know nothing of each other, so they may advance on any number of threads and the
+//! results stay the same to the last bit.
+
+pub mod block;
+pub mod steering;
+
+use crate::control::Controller;
+use crate::lanes::LANES;
+use crate::plant::{Body, Plant};
+use crate::random::Stream;
+use crate::stats::VehicleStats;
+use block::{Block, Follow};
+use rayon::prelude::*;
+
+/// Fewer blocks than this are advanced on the calling thread: waking a second one would cost more.
+const PARALLEL_FROM_BLOCKS: usize = 8;
+
+/// Where a vehicle lives: block and slot in one number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Slot(u32);
+
+impl Slot {
+    fn new(block: usize, lane: usize) -> Self {
+        Self(u32::try_from(block * LANES + lane).expect("fewer than 2^32 slots"))
+    }
+
+    /// Index of the block.
+    pub fn block(self) -> usize {
+        self.0 as usize / LANES
+    }
+
+    /// Index within the block.
+    pub fn lane(self) -> usize {
+        self.0 as usize % LANES
+    }
+}
+
+/// The actuators between command and wheels, for one vehicle.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ActuatorSetup {
+    /// Dead time of the torque [s].
+    pub dead_time_s: f64,
+    /// First-order lag of the torque [s].
+    pub lag_s: f64,
+}
+
+/// All that makes one vehicle, in SI.
+#[derive(Debug, Clone)]
+pub struct VehicleSetup {
+    /// The body as it is.
+    pub body: Body,
+    /// Torque per acceleration of the *nominal* body, which is all that a controller may know [N·m per m/s²].
+    pub nominal_nm_per_mps2: f64,
+    /// Actuators.
+    pub actuator: ActuatorSetup,
+    /// Noise on the measured speed: the vehicle's stream and σ [m/s].
+    pub noise: Option<(Stream, f64)>,
+    /// Speed at which it enters [m/s].
+    pub speed_mps: f64,
+}
+
+/// How blocks of one group are made.
+pub struct GroupSetup {
+    /// Makes the controller of one block.
+    pub controller: Box<dyn Fn() -> Box<dyn Controller> + Send + Sync>,
+    /// Largest dead time that a vehicle of this group may have [s].
+    pub dead_time_max_s: f64,
+}
+
+struct Group {
+    setup: GroupSetup,
+    free: Vec<Slot>,
+}
+
+/// What all blocks share.
+pub struct Clockwork {
+    /// The plant model.
+    pub plant: Box<dyn Plant>,
+    /// Control period [s].
+    pub period_s: f64,
+    /// The reference's memory is kept within this of the plant's speed [m/s].
+    pub lead_mps: f64,
+}
+
+/// All vehicles with a body.
+pub struct Fleet {
+    clockwork: Clockwork,
+    groups: Vec<Group>,
+    blocks: Vec<Block>,
+}
+
+impl Fleet {
+    /// An empty fleet.
+    pub fn new(clockwork: Clockwork, groups: Vec<GroupSetup>) -> Self {
+        let groups = groups.into_iter().map(|setup| Group { setup, free: Vec::new() }).collect();
+        Self { clockwork, groups, blocks: Vec::new() }
+    }
+
+    /// Control period [s].
+    pub fn period_s(&self) -> f64 {
+        self.clockwork.period_s
+    }
+
+    /// Puts a vehicle into a free slot of `group`.
+    pub fn admit(&mut self, group: usize, vehicle: VehicleSetup) -> Slot {
+        if self.groups[group].free.is_empty() {
+            self.grow(group);
+        }
+        let slot = self.groups[group].free.pop().expect("grow() left free slots");
+        self.blocks[slot.block()].admit(slot.lane(), vehicle);
+        slot
+    }
+
+    fn grow(&mut self, group: usize) {
+        let index = self.blocks.len();
+        let setup = &self.groups[group].setup;
+        self.blocks.push(Block::new(group, (setup.controller)(), self.clockwork.period_s, setup.dead_time_max_s));
+        self.groups[group].free.extend((0..LANES).rev().map(|lane| Slot::new(index, lane)));
+    }
+
+    /// Takes a vehicle out and returns its statistics. The other slots are untouched.
+    pub fn release(&mut self, slot: Slot) -> VehicleStats {
+        let block = &mut self.blocks[slot.block()];
+        let stats = block.release(slot.lane());
+        let group = block.group();
+        self.groups[group].free.push(slot);
+        stats
+    }
+
+    /// The block of a slot.
+    pub fn block(&self, slot: Slot) -> &Block {
+        &self.blocks[slot.block()]
+    }
+
+    /// The block of a slot, to write demands into.
+    pub fn block_mut(&mut self, slot: Slot) -> &mut Block {
+        &mut self.blocks[slot.block()]
+    }
+
+    /// Number of vehicles.
+    pub fn len(&self) -> usize {
+        self.blocks.iter().map(Block::len).sum()
+    }
+
+    /// True if there is no vehicle.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Lets every block for which `select` is true follow `follow` over `periods` control periods. With several
+    /// threads the blocks are shared out; each works alone, so the result does not depend on how.
+    pub fn advance(&mut self, periods: u32, select: impl Fn(&Block) -> bool + Sync, follow: Follow) {
+        let clockwork = &self.clockwork;
+        let work = |block: &mut Block| {
+            if !block.is_empty() && select(block) {
+                block.step(clockwork, periods, follow);
+            }
+        };
+        if self.blocks.len() < PARALLEL_FROM_BLOCKS || rayon::current_num_threads() == 1 {
+            self.blocks.iter_mut().for_each(work);
+        } else {
+            self.blocks.par_iter_mut().for_each(work);
+        }
+    }
+
+    /// Counts the step just done, once SUMO's speeds at its end are known ([`Block::see_speed`]).
+    pub fn close_step(&mut self) {
+        self.blocks.iter_mut().filter(|b| !b.is_empty()).for_each(Block::close_step);
+    }
+}

@@ -1,0 +1,449 @@
+//! Sixteen vehicles side by side: their plant, controller, actuators, measurement and statistics, and the order in
+//! which these work in one control period.
+
+use super::steering::Steering;
+use super::{Clockwork, VehicleSetup};
+use crate::control::{Actuation, Command, Controller, Observation};
+use crate::lanes::{Flags, LANES, Lanes};
+use crate::measurement::Measurement;
+use crate::plant::{Actuators, Inputs, PlantBlock, State};
+use crate::reference::profile::Profile;
+use crate::stats::{Sample, StatsBlock, StepSample, Sums, VehicleStats};
+
+/// Slower than this and wanted at rest: the brake holds and all states are exactly 0 [m/s].
+pub const HOLD_BELOW_MPS: f64 = 0.05;
+
+/// Where the reference of a step comes from.
+#[derive(Clone, Copy)]
+pub enum Follow<'a> {
+    /// SUMO chose a speed for the end of the step; the reference is the ramp to it.
+    Traffic,
+    /// The target speed is held for the whole step; it may have jumped.
+    Target,
+    /// A profile over the vehicle's own distance or time, never above the target speed.
+    Profile(&'a Profile),
+}
+
+/// What bound the target of a slot in the running step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bound {
+    /// SUMO's own choice.
+    Traffic,
+    /// The lane's limit.
+    Limit,
+    /// The profile.
+    Profile,
+    /// SUMO clamped the commanded speed.
+    Clamp,
+}
+
+/// The reference of one control period.
+struct Demand {
+    start_mps: Lanes,
+    end_mps: Lanes,
+    rate_mps2: Lanes,
+    /// 1 = standing still is what is wanted.
+    rest: Flags,
+    /// Middle of the period as a share of the step.
+    share: f64,
+}
+
+/// One block.
+pub struct Block {
+    group: usize,
+    plant: PlantBlock,
+    inputs: Inputs,
+    controller: Box<dyn Controller>,
+    actuators: Actuators,
+    measurement: Measurement,
+    /// How each slot is steered.
+    pub steering: Steering,
+    stats: StatsBlock,
+    command: Command,
+    nominal_nm_per_mps2: Lanes,
+    occupied: Flags,
+    /// 1 = on the road; 0 = free, or teleporting.
+    present: Flags,
+    held: Flags,
+    target_mps: Lanes,
+    reference_mps: Lanes,
+    measured_mps: Lanes,
+    clock_s: Lanes,
+    acceleration_mps2: Lanes,
+    sumo_mps: Lanes,
+    lead_limited: Flags,
+    curvature_limited: Flags,
+    bound: [Bound; LANES],
+}
+
+impl Block {
+    /// An empty block of `group`.
+    pub fn new(group: usize, controller: Box<dyn Controller>, period_s: f64, dead_time_max_s: f64) -> Self {
+        Self {
+            group,
+            plant: PlantBlock::new(),
+            inputs: Inputs::default(),
+            controller,
+            actuators: Actuators::new(period_s, dead_time_max_s),
+            measurement: Measurement::new(),
+            steering: Steering::default(),
+            stats: StatsBlock::new(period_s),
+            command: Command::default(),
+            nominal_nm_per_mps2: [1.0; LANES],
+            occupied: [0.0; LANES],
+            present: [0.0; LANES],
+            held: [0.0; LANES],
+            target_mps: [0.0; LANES],
+            reference_mps: [0.0; LANES],
+            measured_mps: [0.0; LANES],
+            clock_s: [0.0; LANES],
+            acceleration_mps2: [0.0; LANES],
+            sumo_mps: [0.0; LANES],
+            lead_limited: [0.0; LANES],
+            curvature_limited: [0.0; LANES],
+            bound: [Bound::Traffic; LANES],
+        }
+    }
+
+    /// The group that this block belongs to.
+    pub fn group(&self) -> usize {
+        self.group
+    }
+
+    /// Number of vehicles in the block.
+    pub fn len(&self) -> usize {
+        self.occupied.iter().filter(|o| **o > 0.0).count()
+    }
+
+    /// True if no slot is taken.
+    pub fn is_empty(&self) -> bool {
+        self.occupied.iter().all(|o| *o == 0.0)
+    }
+
+    pub(super) fn admit(&mut self, lane: usize, vehicle: VehicleSetup) {
+        let body = &vehicle.body;
+        self.nominal_nm_per_mps2[lane] = vehicle.nominal_nm_per_mps2;
+        let actuator = vehicle.actuator;
+        self.actuators.set(
+            lane,
+            actuator.dead_time_s,
+            actuator.lag_s,
+            body.drive_torque_max_nm,
+            body.brake_torque_max_nm,
+        );
+        self.steering.set(lane, body.wheelbase_m(), body.understeer_gradient(), body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b)));
+        self.plant.set_body(lane, body);
+        let (stream, sigma_mps) = vehicle.noise.map_or((None, 0.0), |(stream, sigma)| (Some(stream), sigma));
+        self.measurement.set(lane, stream, sigma_mps);
+        self.stats.reset(lane, vehicle.speed_mps);
+        self.plant.reset_distance(lane);
+        self.clock_s[lane] = 0.0;
+        self.occupied[lane] = 1.0;
+        self.appear(lane, vehicle.speed_mps);
+    }
+
+    pub(super) fn release(&mut self, lane: usize) -> VehicleStats {
+        self.occupied[lane] = 0.0;
+        self.vanish(lane);
+        self.stats.read(lane)
+    }
+
+    /// The vehicle is on the road at this speed, rolling straight ahead: it departed, or its teleport ended.
+    pub fn appear(&mut self, lane: usize, speed_mps: f64) {
+        self.present[lane] = 1.0;
+        self.held[lane] = 0.0;
+        self.target_mps[lane] = speed_mps;
+        self.reference_mps[lane] = speed_mps;
+        self.measured_mps[lane] = speed_mps;
+        self.acceleration_mps2[lane] = 0.0;
+        self.plant.set_state(lane, &State::rolling(self.plant.body(lane), speed_mps));
+        self.controller.reset(lane, speed_mps);
+        self.actuators.reset(lane);
+        self.steering.straighten(lane);
+    }
+
+    /// The vehicle is not on the road (teleporting): nothing of it moves and nothing is counted.
+    pub fn vanish(&mut self, lane: usize) {
+        self.present[lane] = 0.0;
+        self.plant.rest(lane);
+        self.controller.reset(lane, 0.0);
+        self.actuators.reset(lane);
+    }
+
+    /// The speed that the vehicle is to have at the end of the coming step (or during it), and what bound it.
+    pub fn set_target(&mut self, lane: usize, target_mps: f64, bound: Bound) {
+        self.target_mps[lane] = target_mps;
+        self.bound[lane] = bound;
+    }
+
+    /// Changes what bound the target of the running step.
+    pub fn set_bound(&mut self, lane: usize, bound: Bound) {
+        self.bound[lane] = bound;
+    }
+
+    /// Takes the speed v* that SUMO shows at the end of a step [m/s].
+    pub fn see_speed(&mut self, lane: usize, sumo_mps: f64) {
+        self.sumo_mps[lane] = sumo_mps;
+    }
+
+    /// Takes the heading that SUMO shows at the end of a step (radians, left positive).
+    pub fn see_heading(&mut self, lane: usize, heading_rad: f64, step_s: f64) {
+        let speed_mps = self.plant.vx_mps[lane];
+        let limited = self.steering.see_heading(lane, heading_rad, speed_mps * step_s, speed_mps);
+        self.curvature_limited[lane] = f64::from(u8::from(limited));
+    }
+
+    /// Slope of the road (radians, uphill positive).
+    pub fn set_grade(&mut self, lane: usize, grade_rad: f64) {
+        self.inputs.grade_rad[lane] = grade_rad;
+    }
+
+    /// The inputs that the road and the air have on the bodies, to disturb them.
+    pub fn inputs_mut(&mut self) -> &mut Inputs {
+        &mut self.inputs
+    }
+
+    /// The bodies, to look at or to change (a load, another road surface).
+    pub fn plant_mut(&mut self) -> &mut PlantBlock {
+        &mut self.plant
+    }
+
+    /// The bodies.
+    pub fn plant(&self) -> &PlantBlock {
+        &self.plant
+    }
+
+    /// The controller of the block.
+    pub fn controller(&self) -> &dyn Controller {
+        self.controller.as_ref()
+    }
+
+    /// True longitudinal speed [m/s].
+    pub fn speed_mps(&self, lane: usize) -> f64 {
+        self.plant.vx_mps[lane]
+    }
+
+    /// Mean acceleration of the last step [m/s²].
+    pub fn acceleration_mps2(&self, lane: usize) -> f64 {
+        self.acceleration_mps2[lane]
+    }
+
+    /// ∫V_x dt since departure [m].
+    pub fn distance_m(&self, lane: usize) -> f64 {
+        self.plant.distance_m[lane]
+    }
+
+    /// Speed that was asked for in the last step [m/s].
+    pub fn target_mps(&self, lane: usize) -> f64 {
+        self.target_mps[lane]
+    }
+
+    /// Reference at the end of the last control period [m/s].
+    pub fn reference_mps(&self, lane: usize) -> f64 {
+        self.reference_mps[lane]
+    }
+
+    /// What the controller measured last [m/s].
+    pub fn measured_mps(&self, lane: usize) -> f64 {
+        self.measured_mps[lane]
+    }
+
+    /// SUMO's speed v* at the end of the last step [m/s].
+    pub fn sumo_mps(&self, lane: usize) -> f64 {
+        self.sumo_mps[lane]
+    }
+
+    /// The vehicle's largest acceleration and deceleration as its torque limits have it [m/s²].
+    pub fn acceleration_limits_mps2(&self, lane: usize) -> [f64; 2] {
+        let body = self.plant.body(lane);
+        [body.drive_torque_max_nm, body.brake_torque_max_nm].map(|t| t / body.nominal_nm_per_mps2())
+    }
+
+    /// Sums since they were last taken, for tables by road.
+    pub fn take_sums(&mut self, lane: usize) -> Sums {
+        self.stats.take_sums(lane)
+    }
+
+    /// Applied sum of wheel torques [N·m].
+    pub fn torque_nm(&self, lane: usize) -> f64 {
+        self.inputs.torque_nm[lane]
+    }
+
+    /// False if a state of the slot is not finite.
+    pub fn is_sound(&self, lane: usize) -> bool {
+        self.plant.is_finite(lane)
+    }
+
+    /// What the statistics of a slot say so far.
+    pub fn stats(&self, lane: usize) -> VehicleStats {
+        self.stats.read(lane)
+    }
+
+    /// One SUMO step: `periods` control periods along the reference.
+    pub(super) fn step(&mut self, clockwork: &Clockwork, periods: u32, follow: Follow) {
+        let before_mps = self.plant.vx_mps;
+        let step_s = f64::from(periods) * clockwork.period_s;
+        self.lead_limited = match follow {
+            Follow::Traffic => self.step_traffic(clockwork, periods, step_s, &before_mps),
+            Follow::Target | Follow::Profile(_) => self.step_targets(clockwork, periods, follow),
+        };
+        let speed_mps = self.plant.vx_mps;
+        self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - before_mps[i]) / step_s);
+    }
+
+    /// The reference is the ramp from its own last value, kept near the plant, with the acceleration that SUMO asked
+    /// of the plant: y_r(τ) = y_r0 + a*τ, a* = (v* − V)/dt. Without that memory a sluggish controller's error would
+    /// be forgotten in every step.
+    fn step_traffic(&mut self, clockwork: &Clockwork, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
+        let mut start_mps = [0.0; LANES];
+        let mut rate_mps2 = [0.0; LANES];
+        let mut lead_limited = [0.0; LANES];
+        for i in 0..LANES {
+            let (low, high) = (before_mps[i] - clockwork.lead_mps, before_mps[i] + clockwork.lead_mps);
+            start_mps[i] = self.reference_mps[i].max(low).min(high);
+            lead_limited[i] = if start_mps[i] == self.reference_mps[i] { 0.0 } else { 1.0 };
+            rate_mps2[i] = (self.target_mps[i] - before_mps[i]) / step_s;
+        }
+        let rest = self.target_mps.map(|v| if v == 0.0 { 1.0 } else { 0.0 });
+        self.held = std::array::from_fn(|i| self.held[i] * rest[i]);
+        for k in 0..periods {
+            let at = |tau_s: f64| std::array::from_fn(|i| (start_mps[i] + rate_mps2[i] * tau_s).max(0.0));
+            let tau_s = f64::from(k) * clockwork.period_s;
+            let share = (f64::from(k) + 0.5) / f64::from(periods);
+            let demand =
+                Demand { start_mps: at(tau_s), end_mps: at(tau_s + clockwork.period_s), rate_mps2, rest, share };
+            self.period(clockwork, &demand);
+        }
+        if self.controller.is_ideal() {
+            // To the last bit what SUMO chose: the sum of the periods' ramps need not be.
+            for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
+                self.plant.vx_mps[i] = self.target_mps[i];
+                self.reference_mps[i] = self.target_mps[i];
+            }
+        }
+        lead_limited
+    }
+
+    /// The reference is the target, or a profile below it, at each control period's own place and time.
+    fn step_targets(&mut self, clockwork: &Clockwork, periods: u32, follow: Follow) -> Flags {
+        for k in 0..periods {
+            let here = self.targets_now(follow, 0.0);
+            let next = self.targets_now(follow, clockwork.period_s);
+            let rest: Flags = std::array::from_fn(|i| if here.0[i] == 0.0 && next.0[i] == 0.0 { 1.0 } else { 0.0 });
+            let share = (f64::from(k) + 0.5) / f64::from(periods);
+            let demand = Demand { start_mps: here.0, end_mps: next.0, rate_mps2: here.1, rest, share };
+            for i in 0..LANES {
+                self.held[i] *= rest[i];
+                self.clock_s[i] += clockwork.period_s;
+            }
+            self.period(clockwork, &demand);
+        }
+        [0.0; LANES]
+    }
+
+    /// Target speeds and rates `ahead_s` from now, the vehicles rolling on at their present speed.
+    fn targets_now(&self, follow: Follow, ahead_s: f64) -> (Lanes, Lanes) {
+        let mut speed = self.target_mps;
+        let mut rate = [0.0; LANES];
+        if let Follow::Profile(profile) = follow {
+            for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
+                let rolling_mps = self.plant.vx_mps[i];
+                let place_m = self.plant.distance_m[i] + rolling_mps * ahead_s;
+                let (wanted, wanted_rate) = profile.at(place_m, self.clock_s[i] + ahead_s, rolling_mps);
+                if wanted <= speed[i] {
+                    (speed[i], rate[i]) = (wanted, wanted_rate);
+                }
+            }
+        }
+        (speed, rate)
+    }
+
+    /// One control period.
+    fn period(&mut self, clockwork: &Clockwork, demand: &Demand) {
+        let moving: Flags = std::array::from_fn(|i| self.present[i] * (1.0 - self.held[i]));
+        if self.controller.is_ideal() {
+            self.take_speeds(&demand.end_mps, &moving, clockwork.period_s);
+        } else {
+            self.control(demand, &moving);
+            self.steering.angles_rad(demand.share, &self.plant.vx_mps, &mut self.inputs.steer_rad);
+            clockwork.plant.advance(&mut self.plant, &self.inputs, &moving, clockwork.period_s);
+            self.stand_still(demand, &moving);
+        }
+        let speed_mps = self.plant.vx_mps;
+        for i in 0..LANES {
+            self.reference_mps[i] = demand.end_mps[i] * (1.0 - self.held[i]);
+        }
+        self.stats.sample(&Sample {
+            speed_mps,
+            reference_mps: self.reference_mps,
+            torque_nm: self.inputs.torque_nm,
+            active: self.present,
+        });
+    }
+
+    /// An ideal vehicle has the speed that it is to have, and covers the trapezoid between the two.
+    fn take_speeds(&mut self, next_mps: &Lanes, moving: &Flags, period_s: f64) {
+        for i in 0..LANES {
+            let before_mps = self.plant.vx_mps[i];
+            let next_mps = before_mps + moving[i] * (next_mps[i] - before_mps);
+            self.plant.distance_m[i] += 0.5 * (before_mps + next_mps) * period_s;
+            self.plant.vx_mps[i] = next_mps;
+        }
+    }
+
+    /// Measure, ask the law, send its torque through the actuators.
+    fn control(&mut self, demand: &Demand, moving: &Flags) {
+        self.measured_mps = self.measurement.measure(&self.plant.vx_mps, moving);
+        let seen = |x: &Lanes| std::array::from_fn(|i| x[i] * moving[i]);
+        let observation = Observation {
+            measured_mps: seen(&self.measured_mps),
+            reference_mps: seen(&demand.start_mps),
+            reference_rate_mps2: seen(&demand.rate_mps2),
+            nominal_nm_per_mps2: self.nominal_nm_per_mps2,
+        };
+        self.controller.command(&observation, &mut self.command);
+        let actuated = self.actuators.step(&self.command.torque_nm, &self.command.gain_mps2_per_nm);
+        self.controller.feedback(&Actuation {
+            commanded_mps2: actuated.commanded,
+            saturated_mps2: actuated.saturated,
+            applied_mps2: actuated.applied,
+        });
+        self.inputs.torque_nm = actuated.torque_nm;
+    }
+
+    /// A car that nearly stands where SUMO wants it to stand is put to rest exactly and held there; one that braking
+    /// or the slope would drive backwards stops, its controller going on (it has to find the torque that starts it again).
+    /// A residue of a millimetre per second would make SUMO believe that a halted car still rolls.
+    fn stand_still(&mut self, demand: &Demand, moving: &Flags) {
+        for i in 0..LANES {
+            let speed_mps = self.plant.vx_mps[i];
+            let arrived = demand.rest[i] > 0.0 && speed_mps < HOLD_BELOW_MPS;
+            if moving[i] == 0.0 || !(arrived || speed_mps < 0.0) {
+                continue;
+            }
+            self.plant.rest(i);
+            if demand.rest[i] > 0.0 {
+                self.inputs.torque_nm[i] = 0.0;
+                self.controller.reset(i, 0.0);
+                self.actuators.reset(i);
+                self.held[i] = 1.0;
+            }
+        }
+    }
+
+    /// Counts a step of which both ends are known: the body's and SUMO's.
+    pub(super) fn close_step(&mut self) {
+        let speed_mps = self.plant.vx_mps;
+        let bound = |which: Bound| std::array::from_fn(|i| if self.bound[i] == which { 1.0 } else { 0.0 });
+        self.stats.step(&StepSample {
+            speed_gap_mps: std::array::from_fn(|i| speed_mps[i] - self.sumo_mps[i]),
+            lead_limited: self.lead_limited,
+            curvature_limited: self.curvature_limited,
+            bound_traffic: bound(Bound::Traffic),
+            bound_limit: bound(Bound::Limit),
+            bound_profile: bound(Bound::Profile),
+            bound_clamp: bound(Bound::Clamp),
+            active: self.present,
+        });
+    }
+}

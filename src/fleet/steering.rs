@@ -1,0 +1,107 @@
+//! Steering by the road that the car follows, so that the lateral states of the body are excited as they would be.
+//!
+//! SUMO tells a heading once a step. It is the chord from front to rear bumper and jumps at the joints of the network's
+//! polylines, so curvature is heading change per driven metre, smoothed over [`SMOOTHING_M`]. The road wheel angle is
+//! that of the steady turn, δ = atan(Lκ) + K_us·a_y with a_y = V²κ (single-track model, ISO 8855 signs: left is positive).
+
+use crate::lanes::{LANES, Lanes};
+use crate::plant::trig::{Polynomial, Trig};
+
+/// Length constant of the curvature filter [m].
+pub const SMOOTHING_M: f64 = 3.0;
+/// Below this speed the wheels point straight ahead [m/s].
+pub const STRAIGHT_BELOW_MPS: f64 = 0.5;
+/// Share of μg that the road may ask for laterally.
+pub const LATERAL_SHARE: f64 = 0.5;
+const GRAVITY_MPS2: f64 = 9.81;
+
+/// The curvature that each slot of a block drives, and the limits on it.
+#[derive(Debug, Clone)]
+pub struct Steering {
+    /// Curvature at the start and at the end of the running step [1/m], left positive.
+    from_per_m: Lanes,
+    to_per_m: Lanes,
+    /// Last heading [rad], left positive; NaN before the first.
+    heading_rad: Lanes,
+    /// Metres driven since the last heading.
+    driven_m: Lanes,
+    wheelbase_m: Lanes,
+    understeer_s2_per_m: Lanes,
+    lateral_max_mps2: Lanes,
+}
+
+impl Default for Steering {
+    fn default() -> Self {
+        Self {
+            from_per_m: [0.0; LANES],
+            to_per_m: [0.0; LANES],
+            heading_rad: [f64::NAN; LANES],
+            driven_m: [0.0; LANES],
+            wheelbase_m: [1.0; LANES],
+            understeer_s2_per_m: [0.0; LANES],
+            lateral_max_mps2: [0.0; LANES],
+        }
+    }
+}
+
+impl Steering {
+    /// Prepares a slot for a body: wheelbase [m], understeer gradient [rad per m/s²], friction coefficient.
+    pub fn set(&mut self, lane: usize, wheelbase_m: f64, understeer_s2_per_m: f64, friction: f64) {
+        self.wheelbase_m[lane] = wheelbase_m;
+        self.understeer_s2_per_m[lane] = understeer_s2_per_m;
+        self.lateral_max_mps2[lane] = LATERAL_SHARE * friction * GRAVITY_MPS2;
+        self.straighten(lane);
+    }
+
+    /// Forgets the road: a new vehicle, or one that was moved by other means than driving.
+    pub fn straighten(&mut self, lane: usize) {
+        self.from_per_m[lane] = 0.0;
+        self.to_per_m[lane] = 0.0;
+        self.heading_rad[lane] = f64::NAN;
+        self.driven_m[lane] = 0.0;
+    }
+
+    /// Takes the heading at the end of a step [rad, left positive] in which the slot drove `driven_m` metres at
+    /// `speed_mps`. Returns true if the curvature was limited to what the tyres hold.
+    pub fn see_heading(&mut self, lane: usize, heading_rad: f64, driven_m: f64, speed_mps: f64) -> bool {
+        self.from_per_m[lane] = self.to_per_m[lane];
+        let before = self.heading_rad[lane];
+        self.heading_rad[lane] = heading_rad;
+        if before.is_nan() || speed_mps < STRAIGHT_BELOW_MPS || driven_m <= 0.0 {
+            // A car that turns while it stands (SUMO's chord can) must not remember that turn.
+            self.to_per_m[lane] = 0.0;
+            return false;
+        }
+        let turn = wrap(heading_rad - before);
+        let filtered = self.from_per_m[lane]
+            + driven_m / (SMOOTHING_M + driven_m) * (turn / driven_m - self.from_per_m[lane]);
+        let limit = self.lateral_max_mps2[lane] / (speed_mps * speed_mps);
+        self.to_per_m[lane] = filtered.clamp(-limit, limit);
+        filtered.abs() > limit
+    }
+
+    /// Drives a given curvature (a recorded path) instead of the one from headings.
+    pub fn set_curvature(&mut self, lane: usize, curvature_per_m: f64) {
+        self.from_per_m[lane] = curvature_per_m;
+        self.to_per_m[lane] = curvature_per_m;
+    }
+
+    /// Road wheel angles at `share` of the step, for the speeds of the block [rad].
+    pub fn angles_rad(&self, share: f64, speed_mps: &Lanes, out: &mut Lanes) {
+        for lane in 0..LANES {
+            let curvature = self.from_per_m[lane] + share * (self.to_per_m[lane] - self.from_per_m[lane]);
+            let square = speed_mps[lane] * speed_mps[lane];
+            // The step's curvature was limited at its end; the speed inside the step may be higher.
+            let limit = self.lateral_max_mps2[lane] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
+            let kappa = curvature.min(limit).max(-limit);
+            out[lane] = Polynomial::atan(self.wheelbase_m[lane] * kappa) + self.understeer_s2_per_m[lane] * square * kappa;
+        }
+    }
+}
+
+/// The angle within (−π, π].
+fn wrap(angle_rad: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    let turned = angle_rad - TAU * (angle_rad / TAU).round();
+    if turned <= -PI { turned + TAU } else { turned }
+}

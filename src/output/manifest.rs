@@ -1,0 +1,125 @@
+//! `run.json`: what was run, with what, and how it ended.
+
+use super::{OutputError, file_error};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// How far a run has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// It has not ended, or was killed.
+    Running,
+    /// It ran to its end.
+    Complete,
+    /// It broke off; what was computed until then is kept.
+    Incomplete,
+}
+
+/// A file that went into a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Input {
+    /// Its path as given.
+    pub path: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+}
+
+impl Input {
+    /// Reads and hashes a file.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if it cannot be read.
+    pub fn of(path: &Path) -> Result<Self, OutputError> {
+        Ok(Self { path: path.display().to_string(), sha256: sha256_of(path)? })
+    }
+}
+
+/// The contents of `run.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Version of this file's form.
+    pub schema: u32,
+    /// How far the run has come.
+    pub status: Status,
+    /// Why it is incomplete.
+    pub reason: Option<String>,
+    /// Version of this program.
+    pub version: String,
+    /// SUMO's version text, once it is known.
+    pub sumo_version: Option<String>,
+    /// The API number that SUMO answers, once it is known.
+    pub sumo_api: Option<i32>,
+    /// The seed.
+    pub seed: u64,
+    /// Every input file.
+    pub inputs: Vec<Input>,
+    /// The resolved scenario, TOML in SI units: running it again gives the same bytes.
+    pub scenario: String,
+    /// SUMO's command line, word by word.
+    pub sumo_command: Vec<String>,
+    /// What was overridden or left out, one line each, as told on the terminal.
+    pub notes: Vec<String>,
+    /// The files of the result, relative to its folder.
+    pub files: Vec<String>,
+}
+
+impl Manifest {
+    /// The manifest of a run that starts.
+    pub fn new(seed: u64, scenario: String, inputs: Vec<Input>) -> Self {
+        Self {
+            schema: 1,
+            status: Status::Running,
+            reason: None,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            sumo_version: None,
+            sumo_api: None,
+            seed,
+            inputs,
+            scenario,
+            sumo_command: Vec::new(),
+            notes: Vec::new(),
+            files: Vec::new(),
+        }
+    }
+}
+
+/// SHA-256 of a file's bytes, hexadecimal.
+///
+/// # Errors
+/// [`OutputError::File`] if it cannot be read.
+pub fn sha256_of(path: &Path) -> Result<String, OutputError> {
+    let mut hash = Sha256::new();
+    let mut file = File::open(path).map_err(file_error("open", path))?;
+    let mut buffer = vec![0; 1 << 16];
+    loop {
+        match file.read(&mut buffer).map_err(file_error("read", path))? {
+            0 => break,
+            n => hash.update(&buffer[..n]),
+        }
+    }
+    Ok(hash.finalize().iter().fold(String::new(), |mut text, byte| {
+        write!(text, "{byte:02x}").expect("writing to a String cannot fail");
+        text
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn val_sha256_of_fips_180() {
+        // FIPS 180-2, appendix B.1: SHA-256 of "abc".
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("abc.net.xml");
+        std::fs::write(&path, "abc").unwrap();
+        let wanted = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(Input::of(&path).unwrap().sha256, wanted);
+        assert!(sha256_of(&folder.path().join("none")).unwrap_err().to_string().contains("none"));
+    }
+}

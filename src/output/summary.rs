@@ -1,0 +1,179 @@
+//! `summary.json` and the words that a run ends with.
+
+use super::{Reason, Spread, SumoStatistics, Trips, VEHICLES, VehicleRow};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Columns that say when, not how well: no fleet numbers of them.
+const TIMES: [&str; 2] = ["depart", "arrival"];
+
+/// What SUMO itself counted, vehicles that are not egos included.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SumoTotals {
+    /// Vehicles that entered the road.
+    pub inserted: u64,
+    /// Vehicles that reached the end of their route.
+    pub arrived: u64,
+    /// Mean time loss of those that arrived \[s\].
+    pub time_loss_mean_s: Option<f64>,
+    /// Collisions.
+    pub collisions: u64,
+    /// Teleports.
+    pub teleports: u64,
+}
+
+impl SumoTotals {
+    /// From SUMO's outputs. Their `vehicleTripStatistics` also average over unfinished trips, hence the trips.
+    pub fn new(statistics: &SumoStatistics, trips: &Trips) -> Self {
+        let (arrived, time_loss_mean_s) = trips.arrivals();
+        Self {
+            inserted: statistics.inserted,
+            arrived,
+            time_loss_mean_s,
+            collisions: statistics.collisions,
+            teleports: statistics.teleports,
+        }
+    }
+}
+
+/// The contents of `summary.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Version of this file's form.
+    pub schema: u32,
+    /// `vehicles` (egos that departed), one count per reason, and whatever else the run counted.
+    pub counts: BTreeMap<String, u64>,
+    /// What SUMO counted.
+    pub sumo: SumoTotals,
+    /// Every numeric column over the egos that have a value in it.
+    pub fleet: BTreeMap<String, Spread>,
+    /// How long the run took \[s\].
+    pub wall_s: f64,
+    /// Simulated over real time; none if no time passed.
+    pub real_time_factor: Option<f64>,
+}
+
+impl Summary {
+    /// Sums up a run of `simulated_s` seconds that took `wall_s` seconds.
+    pub fn new(rows: &[VehicleRow], sumo: SumoTotals, simulated_s: f64, wall_s: f64) -> Self {
+        let mut counts = BTreeMap::from([("vehicles".to_owned(), rows.len() as u64)]);
+        for reason in Reason::ALL {
+            let count = rows.iter().filter(|r| r.reason == reason).count();
+            counts.insert(reason.as_str().to_owned(), count as u64);
+        }
+        let columns = VEHICLES.columns.iter().filter(|c| !TIMES.contains(&c.name));
+        let fleet = columns
+            .filter_map(|c| Some((c.name.to_owned(), Spread::of(rows.iter().filter_map(|r| c.number(r)))?)))
+            .collect();
+        let real_time_factor = (wall_s > 0.0).then(|| simulated_s / wall_s);
+        Self { schema: 1, counts, sumo, fleet, wall_s, real_time_factor }
+    }
+
+    /// A count, 0 if it was not made.
+    pub fn count(&self, name: &str) -> u64 {
+        self.counts.get(name).copied().unwrap_or(0)
+    }
+}
+
+/// What `run` says at its end: at most ten lines, a line break after each.
+pub fn terminal_text(summary: &Summary, rows: &[VehicleRow], dir: &Path, files: &[String]) -> String {
+    let mut lines = Vec::new();
+    let reasons = Reason::ALL.map(|r| (summary.count(r.as_str()), r.as_str().replace('_', " ")));
+    let reasons: Vec<_> = reasons.iter().filter(|(n, _)| *n > 0).map(|(n, reason)| format!("{n} {reason}")).collect();
+    let vehicles = summary.count("vehicles");
+    lines.push(("vehicles", [vec![vehicles.to_string()], reasons].concat().join(", ")));
+    let spread = |column: &str, unit: &str| match summary.fleet.get(column) {
+        Some(s) => format!("p50 {:.3}, p95 {:.3} {unit}", s.p50, s.p95),
+        None => "no samples".to_owned(),
+    };
+    lines.push(("error RMS", spread("error_rms", "m/s")));
+    lines.push(("speed gap RMS", spread("speed_gap_rms", "m/s")));
+    if let Some(s) = summary.fleet.get("lead_limited") {
+        lines.push(("lead limited", format!("{:.2} % of the steps", 100.0 * s.mean)));
+    }
+    let sumo = &summary.sumo;
+    let loss = sumo.time_loss_mean_s.map(|s| format!(", mean time loss {s:.1} s")).unwrap_or_default();
+    lines.push(("SUMO", format!("{} inserted, {} arrived{loss}", sumo.inserted, sumo.arrived)));
+    let clamped = rows.iter().filter(|r| r.clamped_steps > 0).count();
+    let clamps: u64 = rows.iter().map(|r| r.clamped_steps).sum();
+    lines.push(("clamps", format!("{clamps} steps in {clamped} of {vehicles} vehicles")));
+    lines.push(("collisions", format!("{}, teleports {}", sumo.collisions, sumo.teleports)));
+    let factor = summary.real_time_factor.map(|f| format!("{f:.1} x real time, ")).unwrap_or_default();
+    lines.push(("speed", format!("{factor}{:.1} s", summary.wall_s)));
+    let (sumo_files, own): (Vec<_>, Vec<_>) = files.iter().partition(|f| f.starts_with("sumo/"));
+    let mut written: Vec<&str> = own.into_iter().map(String::as_str).collect();
+    if !sumo_files.is_empty() {
+        written.push("sumo/");
+    }
+    lines.push(("written", format!("{}: {}", dir.display(), written.join(" "))));
+    lines.iter().map(|(name, text)| format!("{name:<14} {text}\n")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rows::tests::vehicle;
+    use super::*;
+
+    fn summary() -> (Vec<VehicleRow>, Summary) {
+        let mut rows: Vec<_> = (0..5).map(|i| vehicle(&i.to_string(), f64::from(i))).collect();
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.error_rms = (i > 0).then_some(i as f64 / 10.0);
+        }
+        rows[4].reason = Reason::Running;
+        rows[4].clamped_steps = 7;
+        let totals = SumoTotals { inserted: 6, arrived: 4, time_loss_mean_s: Some(12.5), collisions: 1, teleports: 2 };
+        let summary = Summary::new(&rows, totals, 600.0, 20.0);
+        (rows, summary)
+    }
+
+    #[test]
+    fn counts_and_fleet_come_from_the_rows() {
+        let (_, summary) = summary();
+        assert_eq!((summary.count("vehicles"), summary.count("arrived"), summary.count("running")), (5, 4, 1));
+        let rms = summary.fleet["error_rms"];
+        assert!((rms.mean - 0.25).abs() < 1e-15 && (rms.max - 0.4).abs() < 1e-15, "{rms:?}");
+        assert_eq!(summary.fleet["clamped_steps"].max, 7.0);
+        assert!(!summary.fleet.contains_key("depart") && !summary.fleet.contains_key("id"));
+        assert_eq!(summary.real_time_factor, Some(30.0));
+    }
+
+    #[test]
+    fn json_has_the_form_that_was_promised() {
+        let (_, summary) = summary();
+        let value = serde_json::to_value(&summary).unwrap();
+        assert_eq!(value["schema"], 1);
+        assert_eq!(
+            value["sumo"],
+            serde_json::json!({"inserted": 6, "arrived": 4, "time_loss_mean_s": 12.5, "collisions": 1, "teleports": 2})
+        );
+        let keys: Vec<_> = value["fleet"]["timeloss"].as_object().unwrap().keys().cloned().collect();
+        assert_eq!(keys, ["max", "mean", "p05", "p50", "p95"]);
+        assert_eq!(serde_json::from_value::<Summary>(value).unwrap(), summary);
+    }
+
+    #[test]
+    fn the_terminal_text_names_what_was_promised() {
+        let (rows, summary) = summary();
+        let files = ["run.json", "sumo/log.txt", "vehicles.csv"].map(str::to_owned);
+        let text = terminal_text(&summary, &rows, Path::new("out/city-adaptive-42"), &files);
+        insta::assert_snapshot!(text, @r"
+        vehicles       5, 4 arrived, 1 running
+        error RMS      p50 0.250, p95 0.385 m/s
+        speed gap RMS  p50 0.200, p95 0.200 m/s
+        lead limited   0.00 % of the steps
+        SUMO           6 inserted, 4 arrived, mean time loss 12.5 s
+        clamps         7 steps in 1 of 5 vehicles
+        collisions     1, teleports 2
+        speed          30.0 x real time, 20.0 s
+        written        out/city-adaptive-42: run.json vehicles.csv sumo/
+        ");
+    }
+
+    #[test]
+    fn a_run_without_egos_still_has_an_end() {
+        let summary = Summary::new(&[], SumoTotals::default(), 0.0, 0.0);
+        let text = terminal_text(&summary, &[], Path::new("out"), &[]);
+        assert!(text.starts_with("vehicles       0\n") && text.contains("no samples"), "{text}");
+    }
+}

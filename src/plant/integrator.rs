@@ -1,0 +1,196 @@
+//! One substep of the 7-DoF model: a linearly implicit two-stage method of order 2, and what brakes do at standstill.
+//!
+//! # The method
+//! With γ = 1 − 1/√2 and A ≈ ∂f/∂x
+//! ```text
+//! (1 − γhA) k = f(x),   (1 − γhA) d = f(x + h/2·k) − k,   x⁺ = x + h (k + d)
+//! ```
+//! is a Rosenbrock W-method: of order 2 whatever A is, L-stable where A is exact. A holds the tyres' chords: their
+//! stiffness is infinite at rest, and a chord is never negative where a tangent beyond the peak is.
+//!
+//! # The linear systems
+//! The wheels do not see each other, so that A is diagonal in them; eliminating them leaves three unknowns.
+
+use super::seven_dof::{Car, Drive, Forces, Vector, across_axis, along_axis, peaks, rates, road_forces, tyre_forces};
+use super::trig::Trig;
+
+/// γ = 1 − 1/√2, one of the two values that make the method L-stable, the one with the smaller error.
+const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// Below this speed a braked vehicle that moves no other way is held at exact rest [m/s].
+pub const HOLD_MPS: f64 = 0.01;
+
+/// Fastest sideways speed [m/s] and yaw rate [rad/s] that count as not moving any other way.
+const HOLD_SIDEWAYS: f64 = 0.1;
+
+/// What a substep hands on to the next one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// State of motion.
+    pub x: Vector,
+    /// Accelerations a_x, a_y of the body for the load transfer of the next substep [m/s²].
+    pub acceleration: [f64; 2],
+    /// ∫V_x dt [m].
+    pub distance: f64,
+}
+
+/// Advances by one substep of `h` seconds.
+#[inline(always)]
+pub fn substep<T: Trig>(car: &Car, drive: &Drive, now: &Moment, h: f64) -> Moment {
+    let x = &now.x;
+    let peak = peaks(car, drive, now.acceleration);
+    let forces = tyre_forces::<T>(car, drive, &peak, x);
+    let (torque, free) = wheel_torques(car, drive, x, &forces);
+    let system = System::new(car, drive, x, &forces, &free, GAMMA * h);
+    let k = system.solve(&rates(car, drive, x, &forces, &torque, &free));
+    let mut half = [0.0; 7];
+    for i in 0..7 {
+        half[i] = x[i] + 0.5 * h * k[i];
+    }
+    let middle = tyre_forces::<T>(car, drive, &peak, &half);
+    let f = rates(car, drive, &half, &middle, &torque, &free);
+    let mut right = [0.0; 7];
+    for i in 0..7 {
+        right[i] = f[i] - k[i];
+    }
+    let d = system.solve(&right);
+    let mut next = [0.0; 7];
+    for i in 0..7 {
+        next[i] = x[i] + h * (k[i] + d[i]);
+    }
+    for wheel in 0..4 {
+        let stops = drive.brake[wheel / 2] > 0.0 && next[3 + wheel] * x[3 + wheel] < 0.0;
+        next[3 + wheel] = if stops { 0.0 } else { next[3 + wheel] };
+    }
+    let next = hold(car, drive, x, next);
+    Moment {
+        x: next,
+        acceleration: [(next[0] - x[0]) / h - next[2] * next[1], (next[1] - x[1]) / h + next[2] * next[0]],
+        distance: now.distance + 0.5 * h * (x[0] + next[0]),
+    }
+}
+
+/// Torques C_mi − C_fi of the wheels, and whether they turn. A brake acts against the wheel's turning; a wheel at rest
+/// is held as long as the brake outweighs motor and tyre, and otherwise starts against the brake.
+#[inline(always)]
+fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> ([f64; 4], [f64; 4]) {
+    let (mut torque, mut free) = ([0.0; 4], [0.0; 4]);
+    for wheel in 0..4 {
+        let (motor, brake, speed) = (drive.motor[wheel / 2], drive.brake[wheel / 2], x[3 + wheel]);
+        let pull = motor - car.radius * forces.along[wheel];
+        let direction = if speed == 0.0 { pull } else { speed };
+        let held = speed == 0.0 && pull.abs() <= brake;
+        torque[wheel] = motor - if direction < 0.0 { -brake } else { brake };
+        free[wheel] = if held { 0.0 } else { 1.0 };
+    }
+    (torque, free)
+}
+
+/// A brake that has stopped the vehicle keeps it: V_x comes to exactly 0, all other states with it, unless gravity and
+/// wind pull harder than the brakes hold.
+#[inline(always)]
+fn hold(car: &Car, drive: &Drive, x: &Vector, mut next: Vector) -> Vector {
+    let brake = 2.0 * (drive.brake[0] + drive.brake[1]);
+    let crossed = next[0] * x[0] < 0.0 || next[0].abs() <= HOLD_MPS;
+    let quiet = next[1].abs() <= HOLD_SIDEWAYS && next[2].abs() <= HOLD_SIDEWAYS;
+    let mut still = next;
+    still[0] = 0.0;
+    let pull = road_forces(car, drive, &still)[0].abs() * car.radius;
+    let held = crossed && quiet && brake > 0.0 && pull <= brake;
+    for value in &mut next {
+        *value = if held { 0.0 } else { *value };
+    }
+    next
+}
+
+/// The matrix 1 − γhA with the wheels eliminated and the rest factorised.
+struct System {
+    mass: [f64; 3],
+    /// γh·r·c/(I_r(1 + q)) and 1/(1 + q), with q = γh·r²·c/I_r of the wheels.
+    coupling: [f64; 4],
+    relief: [f64; 4],
+    /// What a wheel's rate adds to the body's equations.
+    lift: [f64; 4],
+    axis: [[f64; 3]; 4],
+    /// LU factors of the 3×3 body matrix, reciprocal pivots on the diagonal.
+    lu: [[f64; 3]; 3],
+}
+
+impl System {
+    #[inline(always)]
+    fn new(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, free: &[f64; 4], gh: f64) -> Self {
+        let mass = [car.mass, car.mass, car.yaw_inertia];
+        let mut s = [[0.0; 3]; 3];
+        let (mut coupling, mut relief, mut lift, mut axis) = ([0.0; 4], [0.0; 4], [0.0; 4], [[0.0; 3]; 4]);
+        for wheel in 0..4 {
+            let c = gh * forces.along_slope[wheel];
+            let turn = free[wheel] * car.radius * c / car.wheel_inertia;
+            relief[wheel] = 1.0 / (1.0 + turn * car.radius);
+            coupling[wheel] = turn * relief[wheel];
+            lift[wheel] = c * car.radius * relief[wheel];
+            axis[wheel] = along_axis(car, drive, wheel);
+            rank_one(&mut s, axis[wheel], c * relief[wheel]);
+        }
+        for axle in 0..2 {
+            rank_one(&mut s, across_axis(car, drive, axle), gh * forces.across_slope[axle]);
+        }
+        // Inertia: V̇_x = ψ̇ V_y, V̇_y = −ψ̇ V_x.
+        let m = gh * car.mass;
+        s[0][0] += mass[0];
+        s[0][1] -= m * x[2];
+        s[0][2] -= m * x[1];
+        s[1][0] += m * x[2];
+        s[1][1] += mass[1];
+        s[1][2] += m * x[0];
+        s[2][2] += mass[2];
+        Self { mass, coupling, relief, lift, axis, lu: factorise(s) }
+    }
+
+    #[inline(always)]
+    fn solve(&self, right: &Vector) -> Vector {
+        let mut b = [0.0; 3];
+        for k in 0..3 {
+            b[k] = self.mass[k] * right[k];
+            for wheel in 0..4 {
+                b[k] += self.axis[wheel][k] * self.lift[wheel] * right[3 + wheel];
+            }
+        }
+        let lu = &self.lu;
+        b[1] -= lu[1][0] * b[0];
+        b[2] -= lu[2][0] * b[0] + lu[2][1] * b[1];
+        b[2] *= lu[2][2];
+        b[1] = (b[1] - lu[1][2] * b[2]) * lu[1][1];
+        b[0] = (b[0] - lu[0][1] * b[1] - lu[0][2] * b[2]) * lu[0][0];
+        let mut out = [b[0], b[1], b[2], 0.0, 0.0, 0.0, 0.0];
+        for wheel in 0..4 {
+            let axis = self.axis[wheel];
+            let hub = axis[0] * b[0] + axis[1] * b[1] + axis[2] * b[2];
+            out[3 + wheel] = self.relief[wheel] * right[3 + wheel] + self.coupling[wheel] * hub;
+        }
+        out
+    }
+}
+
+#[inline(always)]
+fn rank_one(s: &mut [[f64; 3]; 3], axis: [f64; 3], weight: f64) {
+    for i in 0..3 {
+        for j in 0..3 {
+            s[i][j] += weight * axis[i] * axis[j];
+        }
+    }
+}
+
+/// LU without pivoting: the symmetric part of the matrix is positive definite, so that no pivot vanishes.
+#[inline(always)]
+fn factorise(mut s: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    s[0][0] = 1.0 / s[0][0];
+    s[1][0] *= s[0][0];
+    s[2][0] *= s[0][0];
+    s[1][1] -= s[1][0] * s[0][1];
+    s[1][2] -= s[1][0] * s[0][2];
+    s[1][1] = 1.0 / s[1][1];
+    s[2][1] = (s[2][1] - s[2][0] * s[0][1]) * s[1][1];
+    s[2][2] -= s[2][0] * s[0][2] + s[2][1] * s[1][2];
+    s[2][2] = 1.0 / s[2][2];
+    s
+}

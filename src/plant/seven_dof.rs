@@ -1,0 +1,328 @@
+//! The 7-DoF model of Polack et al. 2017, §3.1: V_x, V_y, ψ̇ and four wheel speeds, Magic Formula tyres both ways.
+//!
+//! # Frames and signs
+//! ISO 8855: x forward, y left, z up; ψ̇ and the steer angle δ positive to the left. Wheels: front left, front right,
+//! rear left, rear right. Wheel i sits at (x_i, y_i), x = l_f or −l_r, y = ±w/2. A front wheel's plane is turned by δ, so
+//! that with e = (cos δ, sin δ) along it and n = (−sin δ, cos δ) to its left
+//! ```text
+//! hub speed along the wheel   V_i = e·(V_x − y_i ψ̇, V_y + x_i ψ̇)
+//! slip ratio                  τ_i = (r ω_i − V_i)/max(|r ω_i|, |V_i|), within ±1
+//! slip angle of an axle       α   = atan(−n·v/|e·v|), v = (V_x, V_y + x ψ̇): δ − atan2(V_y + x ψ̇, V_x) for V_x > 0
+//! tyre forces                 F_xp,i = D_i·shape(τ_i),  F_yp,i = D_i·shape(α),  D_i = μ_i F_z,i
+//! M (V̇_x − ψ̇ V_y) = ΣF_x                                                    (paper, eq. 1)
+//! M (V̇_y + ψ̇ V_x) = ΣF_y                                                    (eq. 2)
+//! I_z ψ̈ = l_f F_yf − l_r F_yr − Σ y_i F_x,i                                    (eq. 3; the sum is 0 for w = 0)
+//! I_r ω̇_i = C_mi − C_fi − r F_xp,i                                             (eq. 4)
+//! ```
+//! The paper's slip ratio names V_x; it is the hub's speed along the wheel, which only a steered wheel tells apart, and
+//! with it no tyre can feed energy into the body. The one formula for τ equals the paper's two: the larger of |rω| and
+//! |V| is the denominator of each. Both denominators have the floor [`FLOOR_MPS`], below which a tyre acts like a
+//! damper: standstill is an equilibrium, at any steer angle.
+
+use super::body::{AIR_DENSITY_KGPM3, Body, GRAVITY_MPS2};
+use super::trig::Trig;
+use super::tyre::Tyre;
+use crate::lanes::Lanes;
+
+/// Smallest speed in the denominators of slip ratio and slip angle [m/s].
+pub const FLOOR_MPS: f64 = 0.3;
+
+/// V_x [m/s], V_y [m/s], ψ̇ [rad/s], ω of the four wheels [rad/s].
+pub type Vector = [f64; 7];
+
+/// The constants of one vehicle as the equations use them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Car {
+    /// M [kg].
+    pub mass: f64,
+    /// I_z [kg·m²].
+    pub yaw_inertia: f64,
+    /// l_f, −l_r: x of the axles [m].
+    pub axle_x: [f64; 2],
+    /// w/2 [m].
+    pub half_track: f64,
+    /// r [m].
+    pub radius: f64,
+    /// I_r [kg·m²].
+    pub wheel_inertia: f64,
+    /// Longitudinal shape of front and rear tyres.
+    pub longitudinal: [Tyre; 2],
+    /// Lateral shape of front and rear tyres.
+    pub lateral: [Tyre; 2],
+    /// μ of the wheels.
+    pub friction: [f64; 4],
+    /// Static F_z of one front and one rear wheel [N].
+    pub load: [f64; 2],
+    /// Load that moves from each front to each rear wheel per a_x [N per m/s²].
+    pub pitch_transfer: f64,
+    /// Load that moves from left to right per a_y, front and rear axle [N per m/s²].
+    pub roll_transfer: [f64; 2],
+    /// Share of driving torque on one front, one rear wheel.
+    pub drive_share: [f64; 2],
+    /// Share of braking torque on one front, one rear wheel.
+    pub brake_share: [f64; 2],
+    /// ρ C_d A/2 [N per (m/s)²].
+    pub drag: f64,
+    /// Rolling resistance f_R·M·g [N].
+    pub rolling: f64,
+    /// 1 with the friction ellipse, 0 without.
+    pub ellipse: f64,
+}
+
+/// Number of columns that hold a [`Car`].
+pub const CAR_COLUMNS: usize = 35;
+
+impl Car {
+    /// What the equations need of a body.
+    pub fn new(body: &Body) -> Self {
+        let load = body.static_load_n();
+        let weight = body.mass_kg * GRAVITY_MPS2;
+        let per_track = if body.track_width_m > 0.0 { body.cg_height_m / body.track_width_m } else { 0.0 };
+        Self {
+            mass: body.mass_kg,
+            yaw_inertia: body.yaw_inertia_kgm2,
+            axle_x: [body.front_axle_m, -body.rear_axle_m],
+            half_track: 0.5 * body.track_width_m,
+            radius: body.wheel_radius_m,
+            wheel_inertia: body.wheel_inertia_kgm2,
+            longitudinal: body.longitudinal,
+            lateral: body.lateral,
+            friction: body.friction,
+            load: [load[0], load[2]],
+            pitch_transfer: 0.5 * body.mass_kg * body.cg_height_m / body.wheelbase_m(),
+            roll_transfer: [load[0], load[2]].map(|f| 2.0 * f / GRAVITY_MPS2 * per_track),
+            drive_share: [0.5 * body.drive_front_share, 0.5 * (1.0 - body.drive_front_share)],
+            brake_share: [0.5 * body.brake_front_share, 0.5 * (1.0 - body.brake_front_share)],
+            drag: 0.5 * AIR_DENSITY_KGPM3 * body.drag_area_m2,
+            rolling: body.rolling_resistance * weight,
+            ellipse: if body.combined_slip { 1.0 } else { 0.0 },
+        }
+    }
+
+    /// Writes this car into its lane of the columns.
+    pub fn put(&self, columns: &mut [Lanes; CAR_COLUMNS], lane: usize) {
+        let tyres = self.longitudinal.iter().chain(&self.lateral).flat_map(|t| [t.b, t.c, t.e]);
+        let values = [self.mass, self.yaw_inertia, self.half_track, self.radius, self.wheel_inertia]
+            .into_iter()
+            .chain([self.pitch_transfer, self.drag, self.rolling, self.ellipse])
+            .chain(self.axle_x)
+            .chain(self.load)
+            .chain(self.roll_transfer)
+            .chain(self.drive_share)
+            .chain(self.brake_share)
+            .chain(self.friction)
+            .chain(tyres);
+        for (column, value) in columns.iter_mut().zip(values) {
+            column[lane] = value;
+        }
+    }
+
+    /// Reads a car back from its lane of the columns.
+    #[inline(always)]
+    pub fn pick(columns: &[Lanes; CAR_COLUMNS], lane: usize) -> Self {
+        let pair = |k: usize| [columns[k][lane], columns[k + 1][lane]];
+        let tyre = |k: usize| Tyre { b: columns[k][lane], c: columns[k + 1][lane], e: columns[k + 2][lane] };
+        Self {
+            mass: columns[0][lane],
+            yaw_inertia: columns[1][lane],
+            half_track: columns[2][lane],
+            radius: columns[3][lane],
+            wheel_inertia: columns[4][lane],
+            pitch_transfer: columns[5][lane],
+            drag: columns[6][lane],
+            rolling: columns[7][lane],
+            ellipse: columns[8][lane],
+            axle_x: pair(9),
+            load: pair(11),
+            roll_transfer: pair(13),
+            drive_share: pair(15),
+            brake_share: pair(17),
+            friction: [columns[19][lane], columns[20][lane], columns[21][lane], columns[22][lane]],
+            longitudinal: [tyre(23), tyre(26)],
+            lateral: [tyre(29), tyre(32)],
+        }
+    }
+}
+
+/// What acts on one vehicle, constant over a control period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// cos δ, sin δ.
+    pub steer: [f64; 2],
+    /// Driving torque on one front, one rear wheel, ≥ 0 [N·m].
+    pub motor: [f64; 2],
+    /// Braking torque on one front, one rear wheel, ≥ 0 [N·m].
+    pub brake: [f64; 2],
+    /// Gravity along x and y on grade and bank [N].
+    pub gravity: [f64; 2],
+    /// Gravity's share across the road, cos(grade)·cos(bank).
+    pub load_scale: f64,
+    /// Wind from ahead [m/s].
+    pub headwind: f64,
+}
+
+impl Drive {
+    /// Splits the torque C_T over the axles and turns the angles of the road into forces.
+    ///
+    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2 [rad].
+    #[inline(always)]
+    pub fn new<T: Trig>(car: &Car, torque: f64, steer: f64, grade: f64, bank: f64, headwind: f64) -> Self {
+        let motor = if torque > 0.0 { torque } else { 0.0 };
+        let brake = if torque < 0.0 { -torque } else { 0.0 };
+        let (sin_steer, sin_grade, sin_bank) = (T::sin(steer), T::sin(grade), T::sin(bank));
+        // By the square root, cos 0 is exactly 1.
+        let cosine = |sine: f64| (1.0 - sine * sine).sqrt();
+        let weight = car.mass * GRAVITY_MPS2;
+        Self {
+            steer: [cosine(sin_steer), sin_steer],
+            motor: car.drive_share.map(|share| share * motor),
+            brake: car.brake_share.map(|share| share * brake),
+            gravity: [-weight * sin_grade, -weight * sin_bank * cosine(sin_grade)],
+            load_scale: cosine(sin_grade) * cosine(sin_bank),
+            headwind,
+        }
+    }
+}
+
+/// Peak force D_i = μ_i F_z,i of the wheels [N] with the load transfer of the accelerations (a_x, a_y) [m/s²].
+#[inline(always)]
+pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
+    let pitch = car.pitch_transfer * acceleration[0];
+    let mut peak = [0.0; 4];
+    for wheel in 0..4 {
+        let axle = wheel / 2;
+        let static_load = car.load[axle] * drive.load_scale;
+        let roll = car.roll_transfer[axle] * acceleration[1];
+        let load = static_load + if axle == 0 { -pitch } else { pitch } + if wheel % 2 == 0 { -roll } else { roll };
+        peak[wheel] = car.friction[wheel] * if load > 0.0 { load } else { 0.0 };
+    }
+    peak
+}
+
+/// Forces of all tyres on the body, and what an implicit step wants to know about them.
+#[derive(Debug, Clone, Copy)]
+pub struct Forces {
+    /// F_xp of the wheels in tyre axes [N].
+    pub along: [f64; 4],
+    /// F_yp of the axles in tyre axes, both wheels [N].
+    pub across: [f64; 2],
+    /// Slip ratios τ of the wheels.
+    pub slip: [f64; 4],
+    /// Chord of F_xp over the slip speed rω − V, ≥ 0 [N per m/s].
+    pub along_slope: [f64; 4],
+    /// Chord of F_yp over the sideways speed of the axle, ≥ 0 [N per m/s].
+    pub across_slope: [f64; 2],
+}
+
+/// Direction in which a longitudinal tyre force acts on (V_x, V_y, ψ̇), and which of them its hub speed is made of.
+#[inline(always)]
+pub fn along_axis(car: &Car, drive: &Drive, wheel: usize) -> [f64; 3] {
+    let y = if wheel % 2 == 0 { car.half_track } else { -car.half_track };
+    let [cos, sin] = if wheel < 2 { drive.steer } else { [1.0, 0.0] };
+    [cos, sin, car.axle_x[wheel / 2] * sin - y * cos]
+}
+
+/// The same for the lateral force of an axle.
+#[inline(always)]
+pub fn across_axis(car: &Car, drive: &Drive, axle: usize) -> [f64; 3] {
+    let [cos, sin] = if axle == 0 { drive.steer } else { [1.0, 0.0] };
+    [-sin, cos, car.axle_x[axle] * cos]
+}
+
+#[inline(always)]
+fn dot(axis: [f64; 3], x: &Vector) -> f64 {
+    axis[0] * x[0] + axis[1] * x[1] + axis[2] * x[2]
+}
+
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Tyre forces in state `x`.
+#[inline(always)]
+pub fn tyre_forces<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector) -> Forces {
+    let mut forces =
+        Forces { along: [0.0; 4], across: [0.0; 2], slip: [0.0; 4], along_slope: [0.0; 4], across_slope: [0.0; 2] };
+    let mut lateral_peak = [0.0; 2];
+    for wheel in 0..4 {
+        let axle = wheel / 2;
+        let tyre = &car.longitudinal[axle];
+        let hub = dot(along_axis(car, drive, wheel), x);
+        let rim = car.radius * x[3 + wheel];
+        let scale = larger(larger(rim.abs(), hub.abs()), FLOOR_MPS);
+        let slip = (rim - hub) / scale;
+        let slip = if slip > 1.0 { 1.0 } else { slip };
+        let slip = if slip < -1.0 { -1.0 } else { slip };
+        let shape = tyre.shape::<T>(slip);
+        forces.slip[wheel] = slip;
+        forces.along[wheel] = peak[wheel] * shape;
+        forces.along_slope[wheel] = peak[wheel] * chord(tyre, slip, shape) / scale;
+        lateral_peak[axle] += peak[wheel] * (1.0 - car.ellipse * shape * shape).sqrt();
+    }
+    for axle in 0..2 {
+        let tyre = &car.lateral[axle];
+        let [cos, sin] = if axle == 0 { drive.steer } else { [1.0, 0.0] };
+        let ahead = (cos * x[0] + sin * (x[1] + car.axle_x[axle] * x[2])).abs();
+        let scale = larger(ahead, FLOOR_MPS);
+        let tangent = -dot(across_axis(car, drive, axle), x) / scale;
+        let angle = T::atan(tangent);
+        let shape = tyre.shape::<T>(angle);
+        forces.across[axle] = lateral_peak[axle] * shape;
+        forces.across_slope[axle] = lateral_peak[axle] * chord(tyre, tangent, shape) / scale;
+    }
+    forces
+}
+
+/// shape/slip, which is BC in the limit of no slip; never negative.
+#[inline(always)]
+fn chord(tyre: &Tyre, slip: f64, shape: f64) -> f64 {
+    let quotient = shape / slip;
+    let quotient = if slip.abs() > 1e-6 { quotient } else { tyre.b * tyre.c };
+    larger(quotient, 0.0)
+}
+
+/// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y [N].
+#[inline(always)]
+pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
+    let wind = x[0] + drive.headwind;
+    let rolling = x[0] / FLOOR_MPS;
+    let rolling = if rolling > 1.0 { 1.0 } else { rolling };
+    let rolling = if rolling < -1.0 { -1.0 } else { rolling };
+    [drive.gravity[0] - car.drag * wind * wind.abs() - car.rolling * rolling, drive.gravity[1]]
+}
+
+/// Sums the right-hand sides of the four equations in the head of this file; `torque` is C_mi − C_fi of the wheels and
+/// `free` is 1 for a wheel that turns, 0 for one that its brake holds.
+#[inline(always)]
+pub fn rates(
+    car: &Car,
+    drive: &Drive,
+    x: &Vector,
+    forces: &Forces,
+    torque: &[f64; 4],
+    free: &[f64; 4],
+) -> Vector {
+    let mut sum = [0.0; 3];
+    for wheel in 0..4 {
+        let axis = along_axis(car, drive, wheel);
+        for k in 0..3 {
+            sum[k] += axis[k] * forces.along[wheel];
+        }
+    }
+    for axle in 0..2 {
+        let axis = across_axis(car, drive, axle);
+        for k in 0..3 {
+            sum[k] += axis[k] * forces.across[axle];
+        }
+    }
+    let road = road_forces(car, drive, x);
+    let mut dx = [0.0; 7];
+    dx[0] = x[2] * x[1] + (sum[0] + road[0]) / car.mass;
+    dx[1] = -x[2] * x[0] + (sum[1] + road[1]) / car.mass;
+    dx[2] = sum[2] / car.yaw_inertia;
+    for wheel in 0..4 {
+        dx[3 + wheel] = free[wheel] * (torque[wheel] - car.radius * forces.along[wheel]) / car.wheel_inertia;
+    }
+    dx
+}

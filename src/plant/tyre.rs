@@ -1,0 +1,140 @@
+//! Pacejka's Magic Formula in its easiest form and the identification of its constants (Polack et al. 2017, §3.1.2).
+
+use std::f64::consts::PI;
+
+use super::trig::{Libm, Trig};
+
+/// Shape of a tyre characteristic; the peak D = μ F_z belongs to the wheel, not to the shape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tyre {
+    /// Stiffness factor B [-].
+    pub b: f64,
+    /// Shape factor C [-].
+    pub c: f64,
+    /// Curvature factor E [-].
+    pub e: f64,
+}
+
+impl Tyre {
+    /// F/D = sin(C·atan(Bτ − E(Bτ − atan(Bτ)))) for slip ratio τ [-] or slip angle [rad].
+    #[inline(always)]
+    pub fn shape<T: Trig>(&self, slip: f64) -> f64 {
+        let bt = self.b * slip;
+        T::sin(self.c * T::atan(bt - self.e * (bt - T::atan(bt))))
+    }
+
+    /// F/D, by the `libm` crate.
+    pub fn force_per_peak(&self, slip: f64) -> f64 {
+        self.shape::<Libm>(slip)
+    }
+
+    /// Initial slope per peak, BC.
+    pub fn slope_per_peak(&self) -> f64 {
+        self.b * self.c
+    }
+}
+
+/// What a measured curve says about a tyre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identified {
+    /// Shape constants.
+    pub tyre: Tyre,
+    /// Peak force D [N].
+    pub peak_n: f64,
+}
+
+/// Why a measured curve cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TyreError {
+    /// A line of the file is not `slip,force_n`.
+    #[error("tyre curve, line {line}: expected \"slip,force_n\" as two numbers, found \"{found}\"")]
+    Line {
+        /// Line number, from 1.
+        line: usize,
+        /// The text of the line.
+        found: String,
+    },
+    /// The curve does not show what the identification needs.
+    #[error("tyre curve: {0}")]
+    Curve(&'static str),
+}
+
+/// Reads a measured curve: a header `slip,force_n`, then one pair per line, slip in \[-\] or rad, force in N.
+///
+/// # Errors
+/// [`TyreError::Line`] with the first line that is not a pair of finite numbers.
+pub fn read_curve(text: &str) -> Result<Vec<(f64, f64)>, TyreError> {
+    let data = |line: &str| {
+        let (slip, force) = line.split_once(',')?;
+        let pair = (slip.trim().parse::<f64>().ok()?, force.trim().parse::<f64>().ok()?);
+        (pair.0.is_finite() && pair.1.is_finite()).then_some(pair)
+    };
+    let is_header = |line: &str| line.split(',').map(str::trim).eq(["slip", "force_n"]);
+    text.lines()
+        .enumerate()
+        .filter(|(k, line)| !line.trim().is_empty() && !(*k == 0 && is_header(line)))
+        .map(|(k, line)| data(line).ok_or_else(|| TyreError::Line { line: k + 1, found: line.to_owned() }))
+        .collect()
+}
+
+/// The paper's four steps: D is the peak, C = 2 − (2/π) asin(y_s/D) with y_s the force at the largest slip, B follows
+/// from the initial slope BCD, E = (Bτ_m − tan(π/2C))/(Bτ_m − atan(Bτ_m)) with τ_m the slip of the peak.
+///
+/// `curve` holds (slip, force \[N\]) of the driving branch in any order. The peak is refined by a parabola through its
+/// neighbours, the slope is a least-squares fit through the origin.
+///
+/// # Errors
+/// [`TyreError::Curve`] if there is no interior peak, no slope, or no constants that fit.
+pub fn identify(curve: &[(f64, f64)]) -> Result<Identified, TyreError> {
+    let mut points: Vec<_> = curve.iter().copied().filter(|p| p.0 > 0.0).collect();
+    points.sort_by(|p, q| p.0.total_cmp(&q.0));
+    if points.len() < 5 {
+        return Err(TyreError::Curve("at least five points with positive slip are needed"));
+    }
+    let top = (0..points.len()).max_by(|&p, &q| points[p].1.total_cmp(&points[q].1)).unwrap_or(0);
+    if top == 0 || top + 1 == points.len() || points[top].1 <= 0.0 {
+        return Err(TyreError::Curve("no peak of positive force between the smallest and the largest slip"));
+    }
+    let (slip_m, peak_n) = parabola_top(points[top - 1], points[top], points[top + 1]);
+    let y_s = points[points.len() - 1].1;
+    let c = 2.0 - 2.0 / PI * libm::asin((y_s / peak_n).clamp(-1.0, 1.0));
+    let b = initial_slope(&points, peak_n)? / (c * peak_n);
+    let bt = b * slip_m;
+    let e = (bt - libm::tan(PI / (2.0 * c))) / (bt - libm::atan(bt));
+    let tyre = Tyre { b, c, e };
+    if [b, c, e].iter().all(|x| x.is_finite()) && b > 0.0 {
+        Ok(Identified { tyre, peak_n })
+    } else {
+        Err(TyreError::Curve("no Magic Formula constants fit"))
+    }
+}
+
+/// Slope at zero: least squares of F = k₁τ + k₂τ³ through the origin, over the points below a quarter of the peak (at
+/// least the first two).
+fn initial_slope(points: &[(f64, f64)], peak_n: f64) -> Result<f64, TyreError> {
+    let low = points.iter().take_while(|p| p.1 < 0.25 * peak_n).count().max(2);
+    let (mut s2, mut s4, mut s6, mut f1, mut f3) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for &(t, f) in &points[..low] {
+        let t2 = t * t;
+        s2 += t2;
+        s4 += t2 * t2;
+        s6 += t2 * t2 * t2;
+        f1 += t * f;
+        f3 += t * t2 * f;
+    }
+    let determinant = s2 * s6 - s4 * s4;
+    let slope = if determinant > 1e-12 * s2 * s6 { (f1 * s6 - f3 * s4) / determinant } else { f1 / s2 };
+    if slope > 0.0 { Ok(slope) } else { Err(TyreError::Curve("the force does not rise from zero slip")) }
+}
+
+/// Vertex of the parabola through three points.
+fn parabola_top(p: (f64, f64), q: (f64, f64), r: (f64, f64)) -> (f64, f64) {
+    let (left, right) = ((q.1 - p.1) / (q.0 - p.0), (r.1 - q.1) / (r.0 - q.0));
+    let bend = (right - left) / (r.0 - p.0);
+    if bend >= 0.0 {
+        return q;
+    }
+    let slope = left + bend * (q.0 - p.0);
+    let shift = -slope / (2.0 * bend);
+    (q.0 + shift, q.1 + 0.5 * slope * shift)
+}
