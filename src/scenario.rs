@@ -1,1 +1,208 @@
-//! To be written.
+//! What to run: a TOML file, a `.sumocfg` or a bare network with routes, together with what the command line overrides,
+//! becomes one [`Scenario`] of checked SI values.
+//!
+//! Every key lives in a table ([`crate::keys`]): the fixed sections in `catalog.rs`, the rest in the registries. Reading,
+//! range checks, suggestions, `check` and `check --template` all come from these tables, so a new key is one line.
+
+mod catalog;
+mod demand;
+mod document;
+mod error;
+mod folder;
+mod load;
+mod print;
+mod redirect;
+mod section;
+mod selector;
+mod spread;
+mod sumo_arguments;
+mod sumocfg;
+
+use std::path::PathBuf;
+
+pub use catalog::{Catalog, Named, Options};
+pub use document::Override;
+pub use error::{Place, ScenarioError};
+pub use folder::claim_folder;
+pub use load::Request;
+pub use print::template;
+pub use selector::{EgoInfo, Selector};
+pub use spread::{Distribution, Quantity};
+pub use sumo_arguments::{SumoCommand, sumo_arguments};
+
+use crate::keys::Values;
+
+/// A checked scenario in SI units.
+#[derive(Debug, Clone)]
+pub struct Scenario {
+    /// Names the output folder.
+    pub name: String,
+    /// How SUMO is started.
+    pub sumo: SumoSetup,
+    /// Which vehicles get a body and a controller.
+    pub egos: Selector,
+    /// What they get: the first group that matches. The last one takes all that are left.
+    pub groups: Vec<Group>,
+    /// The vehicle model.
+    pub plant: Choice,
+    /// Control period [s].
+    pub control_period_s: f64,
+    /// Between SUMO and the fleet.
+    pub coupling: Coupling,
+    /// Changes to the traffic.
+    pub traffic: Traffic,
+    /// What is written.
+    pub output: Output,
+    /// Every input file, absolute, in the order in which it was named.
+    pub inputs: Vec<PathBuf>,
+    /// What the user should be told: overridden settings of the configuration, keys left unused.
+    pub notes: Vec<String>,
+}
+
+/// How SUMO is started.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SumoSetup {
+    /// What SUMO loads.
+    pub source: Source,
+    /// SUMO's step [s].
+    pub step_length_s: f64,
+    /// Simulation time at which the run ends [s]; `None` = as the configuration says.
+    pub end_s: Option<f64>,
+    /// Seed of SUMO and of everything drawn here.
+    pub seed: u64,
+    /// Whether SUMO moves vehicles by the mean of old and new speed.
+    pub ballistic: bool,
+    /// Further options of SUMO, passed on as they are.
+    pub options: Vec<String>,
+    /// Start sumo-gui.
+    pub gui: bool,
+    /// TraCI port; `None` = a free one.
+    pub port: Option<u16>,
+    /// TraCI clients that SUMO waits for, this one included.
+    pub num_clients: u32,
+    /// `HOST:PORT` of a SUMO that already runs.
+    pub connect: Option<String>,
+}
+
+/// What SUMO loads; all paths absolute.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Source {
+    /// A `.sumocfg`.
+    Config(PathBuf),
+    /// A network with its traffic.
+    Network {
+        /// The network.
+        net: PathBuf,
+        /// Route files.
+        routes: Vec<PathBuf>,
+        /// Additional files.
+        additional: Vec<PathBuf>,
+    },
+    /// Whatever the SUMO at `connect` has loaded.
+    Running,
+}
+
+/// A name of a registry with the values of its keys.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choice {
+    /// The name.
+    pub name: &'static str,
+    /// Its values, complete with defaults.
+    pub values: Values,
+}
+
+/// What a group of egos gets.
+#[derive(Debug, Clone)]
+pub struct Group {
+    /// Who belongs to it.
+    pub select: Selector,
+    /// The speed controller.
+    pub controller: Choice,
+    /// Where the target speed comes from.
+    pub target: Choice,
+    /// The body.
+    pub vehicle: Vehicle,
+    /// What lies between command and torque.
+    pub actuator: Actuator,
+    /// Power of the white noise on the measured speed [dB re 1 (m/s)²]; `None` = no noise.
+    pub noise_power_db: Option<f64>,
+}
+
+/// A body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vehicle {
+    /// The preset; `None` = by the vehicle class.
+    pub preset: Option<String>,
+    /// Keys of the body that differ from the preset.
+    pub values: Values,
+    /// Keys of the body that are drawn per vehicle.
+    pub spread: Vec<(&'static str, Distribution)>,
+}
+
+/// What lies between command and torque.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Actuator {
+    /// Dead time [s].
+    pub delay_s: Quantity,
+    /// Time constant of the lag behind it [s].
+    pub lag_s: Quantity,
+}
+
+/// Between SUMO and the fleet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coupling {
+    /// How far the reference may keep away from the vehicle's speed [m/s].
+    pub lead_mps: f64,
+}
+
+/// Changes to the traffic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Traffic {
+    /// Driver imperfection of the egos' car-following model; `None` = the vType's.
+    pub sigma: Option<f64>,
+}
+
+/// What is written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// The table of vehicles; its suffix chooses the format.
+    pub vehicles: String,
+    /// Whose trajectories are traced.
+    pub trace: Trace,
+    /// Time between two rows of the trace [s]; `None` = SUMO's step.
+    pub trace_period_s: Option<f64>,
+    /// The trace; its suffix chooses the format.
+    pub trace_file: String,
+}
+
+/// Whose trajectories are traced.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Trace {
+    /// Nobody's.
+    None,
+    /// Every ego's.
+    All,
+    /// These vehicles'.
+    Ids(Vec<String>),
+}
+
+impl Scenario {
+    /// Reads and checks a scenario.
+    ///
+    /// # Errors
+    /// What is wrong, with file, line, key, what was found and what was wanted.
+    pub fn load(request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
+        load::load(request, catalog)
+    }
+
+    /// The scenario as TOML in SI units. Reading it gives the same scenario.
+    pub fn to_toml(&self) -> String {
+        print::scenario(self)
+    }
+
+    /// The group of an ego: the first that matches.
+    pub fn group_of(&self, ego: &EgoInfo<'_>) -> usize {
+        let last = self.groups.len().saturating_sub(1);
+        self.groups.iter().position(|g| g.select.matches(ego, self.sumo.seed)).unwrap_or(last)
+    }
+}

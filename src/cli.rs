@@ -1,0 +1,165 @@
+//! The command line, as clap sees it.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use sumo_mfc::scenario::{Override, Request};
+
+/// Gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller.
+#[derive(Debug, Parser)]
+#[command(name = "sumo-mfc", version, about, max_term_width = 110)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scenario in SUMO and write error statistics per vehicle
+    Run(Box<RunArgs>),
+    /// Check a scenario and print it resolved, in SI units, as TOML
+    Check(Box<CheckArgs>),
+    /// List controllers, targets, plants and bodies: kind, name, summary
+    List,
+}
+
+/// Which scenario, and what is different from its file.
+#[derive(Debug, Args)]
+pub struct ScenarioArgs {
+    /// A scenario (.toml) or any SUMO configuration (.sumocfg)
+    #[arg(value_name = "SCENARIO", conflicts_with_all = ["net", "routes"])]
+    scenario: Option<PathBuf>,
+    /// A SUMO network, in place of a scenario
+    #[arg(long, value_name = "FILE")]
+    net: Option<String>,
+    /// Route files for --net
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "net")]
+    routes: Vec<String>,
+    /// Speed controller (see `sumo-mfc list`)
+    #[arg(long, value_name = "NAME")]
+    controller: Option<String>,
+    /// Where the target speed comes from (see `sumo-mfc list`)
+    #[arg(long, value_name = "NAME")]
+    target: Option<String>,
+    /// Equipped vehicles: all | param | type:GLOB | id:REGEX | class:NAME | share:0.25
+    #[arg(long, value_name = "SELECTOR")]
+    egos: Option<String>,
+    /// Seed of SUMO and of everything drawn here
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<String>,
+    /// Simulation time at which the run ends [s]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    end: Option<String>,
+    /// SUMO's step length [s]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    step_length: Option<String>,
+    /// Any other key of the scenario, by its TOML path: controller.k_p=1.2
+    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
+    set: Vec<Override>,
+    /// Trace these vehicles (ids separated by commas) or all
+    #[arg(long, value_name = "IDS|all")]
+    trace: Option<String>,
+    /// Time between rows of the trace [s]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    trace_period: Option<String>,
+    /// Name of the table of vehicles; .csv, .parquet or .xml chooses the format
+    #[arg(long, value_name = "NAME")]
+    vehicles_output: Option<String>,
+    /// Name of the trace; .csv, .parquet or .xml chooses the format
+    #[arg(long, value_name = "NAME")]
+    trace_output: Option<String>,
+    /// Start sumo-gui
+    #[arg(long)]
+    gui: bool,
+    /// TraCI port
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    port: Option<String>,
+    /// TraCI clients that SUMO waits for, this one included
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    num_clients: Option<String>,
+    /// Join a SUMO that already runs
+    #[arg(long, value_name = "HOST:PORT")]
+    connect: Option<String>,
+    /// Options passed on to SUMO
+    #[arg(last = true, value_name = "SUMO-OPTIONS")]
+    sumo_options: Vec<String>,
+}
+
+/// `run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Folder of the results [default: out/<scenario>-<controller>-<seed>]
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace a finished result
+    #[arg(long)]
+    pub force: bool,
+    /// Threads [default: all cores]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print where the time of a step goes
+    #[arg(long)]
+    pub profile: bool,
+    /// Only errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// More about what happens
+    #[arg(short, long)]
+    pub verbose: bool,
+}
+
+/// `check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Print every key with its unit, range and default
+    #[arg(long)]
+    pub template: bool,
+}
+
+fn set(argument: &str) -> Result<Override, String> {
+    Override::set(argument).ok_or_else(|| "wanted KEY=VALUE, e.g. controller.k_p=1.2".to_owned())
+}
+
+impl ScenarioArgs {
+    /// What the arguments ask for. `--set` comes last, so that it can refine what the other options choose.
+    pub fn request(&self) -> Request {
+        let mut overrides = Vec::new();
+        let texts = [
+            ("--net", "sumo.net", &self.net),
+            ("--controller", "controller.name", &self.controller),
+            ("--target", "target.name", &self.target),
+            ("--egos", "egos.select", &self.egos),
+            ("--trace", "output.trace", &self.trace),
+            ("--vehicles-output", "output.vehicles", &self.vehicles_output),
+            ("--trace-output", "output.trace_file", &self.trace_output),
+            ("--connect", "sumo.connect", &self.connect),
+        ];
+        overrides.extend(texts.iter().filter_map(|(flag, path, v)| Some(Override::text(flag, path, v.as_ref()?))));
+        let numbers = [
+            ("--seed", "sumo.seed", &self.seed),
+            ("--end", "sumo.end_s", &self.end),
+            ("--step-length", "sumo.step_length_s", &self.step_length),
+            ("--trace-period", "output.trace_period_s", &self.trace_period),
+            ("--port", "sumo.port", &self.port),
+            ("--num-clients", "sumo.num_clients", &self.num_clients),
+        ];
+        overrides.extend(numbers.iter().filter_map(|(flag, path, v)| Some(Override::literal(flag, path, v.as_ref()?))));
+        if self.gui {
+            overrides.push(Override::literal("--gui", "sumo.gui", true));
+        }
+        if !self.routes.is_empty() {
+            overrides.push(Override::texts("--routes", "sumo.routes", &self.routes));
+        }
+        if !self.sumo_options.is_empty() {
+            overrides.push(Override::texts("--", "sumo.options", &self.sumo_options));
+        }
+        overrides.extend(self.set.iter().cloned());
+        Request { scenario: self.scenario.clone(), overrides }
+    }
+}

@@ -1,0 +1,416 @@
+//! From what was written to a checked [`Scenario`].
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    Actuator, Catalog, Choice, Coupling, Group, Options, Output, Override, Quantity, Scenario, ScenarioError, Selector,
+    Source, SumoSetup, Trace, Traffic, Vehicle,
+    catalog::{ACTUATOR_KEYS, COUPLING_KEYS, NOISE_KEYS, OUTPUT_KEYS, PRESET_KEY, SUMO_KEYS, SUMO_LISTS, TRAFFIC_KEYS},
+    demand,
+    document::{self, Entry, Node, Table},
+    section::{Checked, Section, absolute, existing, known, text, texts},
+    sumo_arguments::ours,
+};
+use crate::{keys::Kind, registry::UnknownName};
+
+/// The sections of a scenario file.
+const SECTIONS: &[&str] = &[
+    "name",
+    "sumo",
+    "egos",
+    "controller",
+    "target",
+    "vehicle",
+    "plant",
+    "actuator",
+    "noise",
+    "traffic",
+    "coupling",
+    "output",
+    "group",
+];
+
+/// The sections that a `[[group]]` may have of its own.
+const GROUP_SECTIONS: &[&str] = &["select", "controller", "target", "vehicle", "actuator", "noise"];
+
+/// What the user asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// A scenario file or SUMO configuration.
+    pub scenario: Option<PathBuf>,
+    /// What the command line sets, in order.
+    pub overrides: Vec<Override>,
+}
+
+impl Request {
+    /// The request for a file as it is.
+    pub fn file(path: impl Into<PathBuf>) -> Self {
+        Self { scenario: Some(path.into()), overrides: Vec::new() }
+    }
+
+    /// The same request with one more override.
+    #[must_use]
+    pub fn with(mut self, more: Override) -> Self {
+        self.overrides.push(more);
+        self
+    }
+}
+
+pub(super) fn load(request: &Request, catalog: &Catalog) -> Result<Scenario, ScenarioError> {
+    let mut notes = Vec::new();
+    let mut root = match &request.scenario {
+        Some(path) => read(path)?,
+        None => Table::new(),
+    };
+    for given in &request.overrides {
+        forget_other_choice(&mut root, given, catalog, &mut notes);
+        given.apply(&mut root)?;
+    }
+    known("", &root, SECTIONS)?;
+    let mut scenario = resolve(request, &root, catalog)?;
+    scenario.inputs.splice(0..0, request.scenario.iter().map(|p| absolute(Path::new(""), p)));
+    demand::check(&mut scenario, &root)?;
+    let mut seen = std::collections::BTreeSet::new();
+    scenario.inputs.retain(|path| seen.insert(path.clone()));
+    scenario.notes.splice(0..0, notes);
+    Ok(scenario)
+}
+
+/// The tables of a scenario file; a SUMO configuration is a scenario that says nothing else.
+fn read(path: &Path) -> Result<Table, ScenarioError> {
+    let unreadable = |reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
+    let is_toml = path.extension().is_some_and(|e| e == "toml");
+    let is_network = path.to_string_lossy().trim_end_matches(".gz").ends_with(".net.xml");
+    if is_network {
+        return Err(ScenarioError::NoRoutes { net: path.to_owned() });
+    }
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    if !is_toml && text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
+        let mut root = Table::new();
+        Override::text("", "sumo.config", &path.to_string_lossy()).apply(&mut root)?;
+        return Ok(root);
+    }
+    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+    match document::parse(path.display().to_string(), text, folder)?.node {
+        Node::Table(root) => Ok(root),
+        _ => Ok(Table::new()),
+    }
+}
+
+/// The keys of `[controller]` belong to the controller that the file names. If the command line names another, they are
+/// left out, and the user is told.
+fn forget_other_choice(root: &mut Table, given: &Override, catalog: &Catalog, notes: &mut Vec<String>) {
+    let Some((section, "name")) = given.path.split_once('.') else { return };
+    let Some((options, default)) = choices(catalog).into_iter().find(|c| c.0 == section).map(|c| (c.1, c.2)) else {
+        return;
+    };
+    let Some(Entry { node: Node::Table(table), .. }) = root.get_mut(section) else { return };
+    let old = match table.get("name").map(|e| &e.node) {
+        Some(Node::Text(name)) => name.clone(),
+        _ => default.to_owned(),
+    };
+    if given.value.trim_matches('"') == old || options.find(&old).is_err() {
+        return;
+    }
+    let dropped: Vec<String> =
+        table.iter().filter(|(k, e)| *k != "name" && !e.place.origin.argument).map(|(k, _)| k.clone()).collect();
+    if !dropped.is_empty() {
+        notes.push(format!("{}: {section}.{} belong to {old} and are not used", given.shown, dropped.join(", ")));
+        table.retain(|k, _| !dropped.contains(k));
+    }
+}
+
+/// The sections that choose from a registry, with their defaults.
+pub(super) fn choices(catalog: &Catalog) -> [(&'static str, &Options, &'static str); 3] {
+    [
+        ("controller", &catalog.controllers, "adaptive"),
+        ("target", &catalog.targets, "traffic"),
+        ("plant", &catalog.plants, "seven_dof"),
+    ]
+}
+
+fn resolve(request: &Request, root: &Table, catalog: &Catalog) -> Result<Scenario, ScenarioError> {
+    let section = |name: &str| section(root, name, name);
+    let (sumo, mut inputs) = sumo(&section("sumo")?)?;
+    let coupling = check("coupling", COUPLING_KEYS, &section("coupling")?)?.values;
+    let traffic = check("traffic", TRAFFIC_KEYS, &section("traffic")?)?.values;
+    let egos = section("egos")?;
+    known("egos", &egos, &["select"])?;
+    let [_, _, (_, plants, plant)] = choices(catalog);
+    let plant = choice("plant", plants, plant, &section("plant")?, &mut inputs)?;
+    let scenario = Scenario {
+        name: name(request, root, &sumo)?,
+        egos: selector(&egos, "egos.select")?.unwrap_or(Selector::All),
+        groups: groups(root, catalog, &mut inputs)?,
+        plant,
+        control_period_s: coupling.number("control_period_s"),
+        coupling: Coupling { lead_mps: coupling.number("lead_mps") },
+        traffic: Traffic { sigma: traffic.try_number("sigma") },
+        output: output(&section("output")?)?,
+        sumo,
+        inputs,
+        notes: Vec::new(),
+    };
+    whole_periods(&scenario, root)?;
+    Ok(scenario)
+}
+
+/// The table of a section; nothing is an empty one.
+pub(super) fn section(root: &Table, name: &str, path: &str) -> Result<Table, ScenarioError> {
+    match root.get(name) {
+        None => Ok(Table::new()),
+        Some(Entry { node: Node::Table(table), .. }) => Ok(table.clone()),
+        Some(entry) => Err(wrong(entry, path, &format!("a section [{name}]"))),
+    }
+}
+
+fn wrong(entry: &Entry, key: &str, wanted: &str) -> ScenarioError {
+    ScenarioError::WrongValue {
+        place: entry.place.clone(),
+        key: key.to_owned(),
+        found: entry.node.shown(),
+        wanted: wanted.to_owned(),
+    }
+}
+
+fn check(path: &str, keys: &[crate::keys::Key], table: &Table) -> Result<Checked, ScenarioError> {
+    Section { path, keys, others: &[], spread: false }.check(table)
+}
+
+fn name(request: &Request, root: &Table, sumo: &SumoSetup) -> Result<String, ScenarioError> {
+    if let Some(entry) = root.get("name") {
+        let name = text(entry, "name")?;
+        // The name becomes a folder of the results.
+        if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\']) {
+            return Err(wrong(entry, "name", "a name without slashes that does not start with a dot"));
+        }
+        return Ok(name.to_owned());
+    }
+    let file = match (&request.scenario, &sumo.source) {
+        (Some(path), _) | (None, Source::Config(path) | Source::Network { net: path, .. }) => path.as_path(),
+        (None, Source::Running) => return Ok("running".to_owned()),
+    };
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let endings = [".net.xml", ".sumocfg", ".sumo.cfg", ".toml", ".xml", ".cfg"];
+    let stem = endings.iter().find_map(|e| name.strip_suffix(e)).unwrap_or(name);
+    Ok(if stem.is_empty() { "scenario".to_owned() } else { stem.to_owned() })
+}
+
+fn sumo(table: &Table) -> Result<(SumoSetup, Vec<PathBuf>), ScenarioError> {
+    let lists: Vec<&str> = SUMO_LISTS.iter().map(|l| l.0).collect();
+    let values = Section { path: "sumo", keys: SUMO_KEYS, others: &lists, spread: false }.check(table)?.values;
+    let files = |key: &str| -> Result<Vec<PathBuf>, ScenarioError> {
+        let Some(entry) = table.get(key) else { return Ok(Vec::new()) };
+        let path = format!("sumo.{key}");
+        texts(entry, &path)?.iter().map(|f| existing(entry, &path, f)).collect()
+    };
+    let (routes, additional) = (files("routes")?, files("additional")?);
+    let source = match (values.try_text("config"), values.try_text("net"), values.try_text("connect")) {
+        (Some(config), None, _) => Source::Config(config.into()),
+        (None, Some(net), _) => Source::Network { net: net.into(), routes, additional },
+        (None, None, Some(_)) => Source::Running,
+        (None, None, None) => return Err(ScenarioError::NoSource("nothing to run".to_owned())),
+        (Some(_), Some(_), _) => {
+            return Err(wrong(&table["net"], "sumo.net", "either sumo.config or sumo.net, not both"));
+        }
+    };
+    if let (Source::Config(_) | Source::Running, Some((key, entry))) =
+        (&source, table.get_key_value("routes").or(table.get_key_value("additional")))
+    {
+        return Err(wrong(entry, &format!("sumo.{key}"), "sumo.net beside it"));
+    }
+    if let Some(connect) = values.try_text("connect")
+        && connect.rsplit_once(':').is_none_or(|(host, port)| host.is_empty() || port.parse::<u16>().is_err())
+    {
+        return Err(wrong(&table["connect"], "sumo.connect", "HOST:PORT"));
+    }
+    let setup = SumoSetup {
+        source,
+        step_length_s: values.number("step_length_s"),
+        end_s: values.try_number("end_s"),
+        seed: values.try_integer("seed").unwrap_or_default().unsigned_abs(),
+        ballistic: values.flag("ballistic"),
+        options: options(table)?,
+        gui: values.flag("gui"),
+        port: values.try_integer("port").and_then(|p| u16::try_from(p).ok()),
+        num_clients: values.try_integer("num_clients").and_then(|n| u32::try_from(n).ok()).unwrap_or(1),
+        connect: values.try_text("connect").map(str::to_owned),
+    };
+    let inputs = match &setup.source {
+        Source::Config(config) => vec![config.clone()],
+        Source::Network { net, routes, additional } => {
+            std::iter::once(net).chain(routes).chain(additional).cloned().collect()
+        }
+        Source::Running => Vec::new(),
+    };
+    Ok((setup, inputs))
+}
+
+fn options(table: &Table) -> Result<Vec<String>, ScenarioError> {
+    let Some(entry) = table.get("options") else { return Ok(Vec::new()) };
+    let options = texts(entry, "sumo.options")?;
+    match ours(&options) {
+        None => Ok(options),
+        Some((option, instead)) => Err(ScenarioError::WrongValue {
+            place: entry.place.clone(),
+            key: "sumo.options".to_owned(),
+            found: option,
+            wanted: format!("{instead} in its place"),
+        }),
+    }
+}
+
+fn output(table: &Table) -> Result<Output, ScenarioError> {
+    let values = check("output", OUTPUT_KEYS, table)?.values;
+    let file = |key: &str| {
+        let name = values.text(key);
+        let plain = !name.contains(['/', '\\']) && [".csv", ".parquet", ".xml"].iter().any(|e| name.ends_with(e));
+        let wanted = "a file name without folder that ends in .csv, .parquet or .xml";
+        if plain { Ok(name.to_owned()) } else { Err(wrong(&table[key], &format!("output.{key}"), wanted)) }
+    };
+    let trace = match values.text("trace") {
+        "" | "none" => Trace::None,
+        "all" => Trace::All,
+        ids => Trace::Ids(ids.split(',').map(|id| id.trim().to_owned()).filter(|id| !id.is_empty()).collect()),
+    };
+    let (vehicles, trace_file) = (file("vehicles")?, file("trace_file")?);
+    Ok(Output { vehicles, trace, trace_period_s: values.try_number("trace_period_s"), trace_file })
+}
+
+fn selector(table: &Table, path: &str) -> Result<Option<Selector>, ScenarioError> {
+    let Some(entry) = table.get("select") else { return Ok(None) };
+    Selector::parse(text(entry, path)?).map(Some).map_err(|wanted| wrong(entry, path, &wanted))
+}
+
+/// The name that `table` picks from a registry, with the values of its keys.
+fn choice(
+    path: &str,
+    options: &Options,
+    default: &str,
+    table: &Table,
+    inputs: &mut Vec<PathBuf>,
+) -> Result<Choice, ScenarioError> {
+    let entry = table.get("name");
+    let name = entry.map(|e| text(e, &format!("{path}.name"))).transpose()?.unwrap_or(default);
+    let named = match (options.find(name), entry) {
+        (Ok(named), _) => named,
+        (Err(unknown), Some(entry)) => return Err(unknown_name(entry, &format!("{path}.name"), unknown)),
+        (Err(unknown), None) => panic!("the default is in the registry: {unknown}"),
+    };
+    let values = Section { path, keys: named.keys, others: &["name"], spread: false }.check(table)?.values;
+    for key in named.keys.iter().filter(|k| k.kind == Kind::File) {
+        inputs.extend(values.try_text(key.name).map(PathBuf::from));
+    }
+    Ok(Choice { name: named.name, values })
+}
+
+fn unknown_name(entry: &Entry, key: &str, unknown: UnknownName) -> ScenarioError {
+    ScenarioError::UnknownName { place: entry.place.clone(), key: key.to_owned(), unknown }
+}
+
+/// The `[[group]]`s, and last the one that the file's own sections describe.
+fn groups(root: &Table, catalog: &Catalog, inputs: &mut Vec<PathBuf>) -> Result<Vec<Group>, ScenarioError> {
+    let mut groups = Vec::new();
+    let listed = match root.get("group") {
+        None => &Vec::new(),
+        Some(Entry { node: Node::List(list), .. }) => list,
+        Some(entry) => return Err(wrong(entry, "group", "groups, each headed [[group]]")),
+    };
+    for (index, entry) in listed.iter().enumerate() {
+        let path = format!("group.{index}");
+        let Node::Table(own) = &entry.node else { return Err(wrong(entry, &path, "a table")) };
+        known(&path, own, GROUP_SECTIONS)?;
+        let select = selector(own, &format!("{path}.select"))?
+            .ok_or_else(|| wrong(entry, &format!("{path}.select"), "a selector: select = \"type:bus*\""))?;
+        groups.push(group(select, root, Some((&path, own)), catalog, inputs)?);
+    }
+    groups.push(group(Selector::All, root, None, catalog, inputs)?);
+    Ok(groups)
+}
+
+fn group(
+    select: Selector,
+    root: &Table,
+    own: Option<(&str, &Table)>,
+    catalog: &Catalog,
+    inputs: &mut Vec<PathBuf>,
+) -> Result<Group, ScenarioError> {
+    let path = |name: &str| own.map_or(name.to_owned(), |(path, _)| format!("{path}.{name}"));
+    // A group inherits the file's section key by key, unless it chooses another name: then the keys are others too.
+    let merged = |name: &str, default: &str| -> Result<Table, ScenarioError> {
+        let top = section(root, name, name)?;
+        let Some((_, own)) = own else { return Ok(top) };
+        let own = section(own, name, &path(name))?;
+        let named = |t: &Table| match t.get("name").map(|e| &e.node) {
+            Some(Node::Text(name)) => Some(name.clone()),
+            _ => None,
+        };
+        let inherited = named(&top).unwrap_or_else(|| default.to_owned());
+        let mut table = if named(&own).is_some_and(|n| n != inherited) { Table::new() } else { top };
+        table.extend(own);
+        Ok(table)
+    };
+    let [(_, controllers, controller), (_, targets, target), _] = choices(catalog);
+    let noise = check(&path("noise"), NOISE_KEYS, &merged("noise", "")?)?.values;
+    Ok(Group {
+        select,
+        controller: choice(&path("controller"), controllers, controller, &merged("controller", controller)?, inputs)?,
+        target: choice(&path("target"), targets, target, &merged("target", target)?, inputs)?,
+        vehicle: vehicle(&path("vehicle"), &merged("vehicle", "")?, catalog, inputs)?,
+        actuator: actuator(&path("actuator"), &merged("actuator", "")?)?,
+        noise_power_db: noise.try_number("power_db"),
+    })
+}
+
+fn vehicle(path: &str, table: &Table, catalog: &Catalog, inputs: &mut Vec<PathBuf>) -> Result<Vehicle, ScenarioError> {
+    let checked = Section { path, keys: catalog.body_keys, others: &[PRESET_KEY.name], spread: true }.check(table)?;
+    let preset = match table.get(PRESET_KEY.name) {
+        None => None,
+        Some(entry) => {
+            let key = format!("{path}.preset");
+            let name = text(entry, &key)?;
+            Some(catalog.bodies.find(name).map_err(|unknown| unknown_name(entry, &key, unknown))?.name.to_owned())
+        }
+    };
+    for key in catalog.body_keys.iter().filter(|k| k.kind == Kind::File) {
+        inputs.extend(checked.values.try_text(key.name).map(PathBuf::from));
+    }
+    Ok(Vehicle { preset, values: checked.values, spread: checked.spread })
+}
+
+fn actuator(path: &str, table: &Table) -> Result<Actuator, ScenarioError> {
+    let Checked { values, spread } = Section { path, keys: ACTUATOR_KEYS, others: &[], spread: true }.check(table)?;
+    let quantity = |key: &str| match spread.iter().find(|(name, _)| *name == key) {
+        Some((_, distribution)) => Quantity::Drawn(*distribution),
+        None => Quantity::Fixed(values.number(key)),
+    };
+    Ok(Actuator { delay_s: quantity("delay_s"), lag_s: quantity("lag_s") })
+}
+
+/// SUMO rounds its step to 1 ms, and a step holds whole control periods.
+fn whole_periods(scenario: &Scenario, root: &Table) -> Result<(), ScenarioError> {
+    let (step_s, period_s) = (scenario.sumo.step_length_s, scenario.control_period_s);
+    let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() < 1e-6 * ratio;
+    let wanted = if !whole(step_s / 0.001) {
+        "a whole number of milliseconds, as SUMO has it".to_owned()
+    } else if !whole(step_s / period_s) {
+        format!("a whole number of control periods (coupling.control_period_s = {period_s:?})")
+    } else {
+        return Ok(());
+    };
+    let at = |name: &str, key: &str| match root.get(name).map(|e| &e.node) {
+        Some(Node::Table(table)) => table.get(key).cloned(),
+        _ => None,
+    };
+    // One of the two was given: the defaults fit each other.
+    match at("sumo", "step_length_s").or_else(|| at("coupling", "control_period_s")) {
+        None => Ok(()),
+        Some(entry) => Err(ScenarioError::WrongValue {
+            place: entry.place,
+            key: "sumo.step_length_s".to_owned(),
+            found: format!("{step_s:?}"),
+            wanted,
+        }),
+    }
+}

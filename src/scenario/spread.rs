@@ -1,0 +1,171 @@
+//! Values that differ from vehicle to vehicle: `mass_kg = { distribution = "normal", mean = 1719, std = 200 }`.
+
+use std::fmt;
+
+use super::{
+    document::{Entry, Node, Table},
+    error::ScenarioError,
+};
+use crate::{random::Stream, registry::nearest};
+
+/// How often a normal draw outside its bounds is repeated before it is put on the bound.
+const REDRAWS: usize = 64;
+
+/// A distribution of one key, in the key's unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Distribution {
+    /// Normal, cut off at `min` and `max`.
+    Normal {
+        /// Mean before cutting.
+        mean: f64,
+        /// Standard deviation before cutting.
+        std: f64,
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+    /// Uniform from `min` to `max`.
+    Uniform {
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+    },
+}
+
+impl Distribution {
+    /// Draws the value of `key` for the vehicle `id` in a run with `seed`. The same vehicle gets the same value whatever
+    /// else is in the run.
+    pub fn draw(&self, seed: u64, key: &str, id: &str) -> f64 {
+        let mut stream = Stream::new(seed, key, id);
+        match *self {
+            Self::Uniform { min, max } => min + (max - min) * stream.uniform(),
+            Self::Normal { mean, std, min, max } => (0..REDRAWS)
+                .map(|_| mean + std * stream.normal())
+                .find(|x| (min..=max).contains(x))
+                .unwrap_or_else(|| mean.clamp(min, max)),
+        }
+    }
+
+    /// Reads the table of a distribution; its values are held to the range of the key.
+    pub(crate) fn read(path: &str, table: &Table, at: &Entry, range: (f64, f64)) -> Result<Self, ScenarioError> {
+        let kind = match table.get("distribution").map(|e| &e.node) {
+            Some(Node::Text(kind)) if kind == "normal" || kind == "uniform" => kind.as_str(),
+            other => {
+                let entry = table.get("distribution").unwrap_or(at);
+                return Err(ScenarioError::WrongValue {
+                    place: entry.place.clone(),
+                    key: format!("{path}.distribution"),
+                    found: other.map_or_else(|| "nothing".to_owned(), Node::shown),
+                    wanted: "\"normal\" (mean, std, min, max) or \"uniform\" (min, max)".to_owned(),
+                });
+            }
+        };
+        let known: &[&str] = if kind == "normal" {
+            &["distribution", "mean", "std", "min", "max"]
+        } else {
+            &["distribution", "min", "max"]
+        };
+        if let Some((key, entry)) = table.iter().find(|(k, _)| !known.contains(&k.as_str())) {
+            return Err(ScenarioError::UnknownKey {
+                place: entry.place.clone(),
+                key: format!("{path}.{key}"),
+                suggestion: nearest(key, known.iter().copied()).map(str::to_owned),
+                known: known.iter().map(|k| (*k).to_owned()).collect(),
+            });
+        }
+        let number = |name: &str, default: Option<f64>, (low, high): (f64, f64)| {
+            let found = table.get(name);
+            let value = match found.map(|e| &e.node) {
+                Some(Node::Number(x)) => Some(*x),
+                Some(Node::Integer(x)) => Some(*x as f64),
+                Some(_) => None,
+                None => default,
+            };
+            value.filter(|x| (low..=high).contains(x)).ok_or_else(|| ScenarioError::WrongValue {
+                place: found.unwrap_or(at).place.clone(),
+                key: format!("{path}.{name}"),
+                found: found.map_or_else(|| "nothing".to_owned(), |e| e.node.shown()),
+                wanted: format!("a number from {low} to {high}"),
+            })
+        };
+        if kind == "uniform" {
+            let min = number("min", None, range)?;
+            return Ok(Self::Uniform { min, max: number("max", None, (min, range.1))? });
+        }
+        let min = number("min", Some(range.0), range)?;
+        let max = number("max", Some(range.1), (min, range.1))?;
+        Ok(Self::Normal {
+            mean: number("mean", None, (min, max))?,
+            std: number("std", None, (0.0, f64::MAX))?,
+            min,
+            max,
+        })
+    }
+}
+
+impl fmt::Display for Distribution {
+    /// The inline TOML table that reads back as the same distribution.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Normal { mean, std, min, max } => write!(
+                f,
+                "{{ distribution = \"normal\", mean = {mean:?}, std = {std:?}, min = {min:?}, max = {max:?} }}"
+            ),
+            Self::Uniform { min, max } => {
+                write!(f, "{{ distribution = \"uniform\", min = {min:?}, max = {max:?} }}")
+            }
+        }
+    }
+}
+
+/// A number that is the same for every vehicle of a group, or drawn per vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Quantity {
+    /// The same for all.
+    Fixed(f64),
+    /// Drawn per vehicle.
+    Drawn(Distribution),
+}
+
+impl Quantity {
+    /// The value for the vehicle `id` in a run with `seed`.
+    pub fn of(&self, seed: u64, key: &str, id: &str) -> f64 {
+        match self {
+            Self::Fixed(value) => *value,
+            Self::Drawn(distribution) => distribution.draw(seed, key, id),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_draws_follow_their_distribution_and_bounds() {
+        let normal = Distribution::Normal { mean: 10.0, std: 2.0, min: 6.0, max: 14.0 };
+        let draws: Vec<f64> = (0..4000).map(|i| normal.draw(1, "mass_kg", &format!("v{i}"))).collect();
+        assert!(draws.iter().all(|x| (6.0..=14.0).contains(x)));
+        let mean = draws.iter().sum::<f64>() / 4000.0;
+        let std = (draws.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 4000.0).sqrt();
+        // Cut off at ±2σ, a normal distribution keeps 0.880 of its standard deviation.
+        assert!((mean - 10.0).abs() < 0.1 && (std - 1.76).abs() < 0.06, "mean {mean}, std {std}");
+
+        let uniform = Distribution::Uniform { min: -1.0, max: 3.0 };
+        let mean = (0..4000).map(|i| uniform.draw(1, "mass_kg", &format!("v{i}"))).sum::<f64>() / 4000.0;
+        assert!((mean - 1.0).abs() < 0.1, "mean {mean}");
+    }
+
+    #[test]
+    fn law_a_draw_belongs_to_seed_key_and_vehicle() {
+        let quantity = Quantity::Drawn(Distribution::Uniform { min: 0.0, max: 1.0 });
+        let drawn = quantity.of(1, "delay_s", "a");
+        assert_eq!(drawn, quantity.of(1, "delay_s", "a"));
+        assert_ne!(drawn, quantity.of(2, "delay_s", "a"));
+        assert_ne!(drawn, quantity.of(1, "lag_s", "a"));
+        assert_ne!(drawn, quantity.of(1, "delay_s", "b"));
+        assert_eq!(Quantity::Fixed(0.25).of(1, "delay_s", "a"), 0.25);
+    }
+}

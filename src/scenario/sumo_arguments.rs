@@ -1,0 +1,186 @@
+//! The command line of SUMO. SUMO refuses an option that is given twice, so what the user gives replaces what we would.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+};
+
+use super::{
+    ScenarioError, Source, SumoSetup,
+    redirect::Redirect,
+    section::absolute,
+    sumocfg::{Configuration, canonical, list, writes},
+};
+
+/// Options that the scenario has keys for, or that the exchange needs: SUMO's option, what to use instead.
+const OURS: &[(&str, &str)] = &[
+    ("configuration-file", "the scenario or sumo.config"),
+    ("net-file", "--net or sumo.net"),
+    ("route-files", "--routes or sumo.routes"),
+    ("step-length", "--step-length or sumo.step_length_s"),
+    ("end", "--end or sumo.end_s"),
+    ("seed", "--seed or sumo.seed"),
+    ("random", "--seed or sumo.seed"),
+    ("step-method.ballistic", "sumo.ballistic"),
+    ("remote-port", "--port or sumo.port"),
+    ("num-clients", "--num-clients or sumo.num_clients"),
+];
+
+/// How to start SUMO, and what it will leave behind.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SumoCommand {
+    /// All arguments but `--remote-port`.
+    pub arguments: Vec<String>,
+    /// SUMO's statistic output.
+    pub statistics: PathBuf,
+    /// SUMO's tripinfo output.
+    pub tripinfo: PathBuf,
+    /// SUMO's log.
+    pub log: PathBuf,
+}
+
+/// Builds SUMO's command line. What the configuration or its additional files would write elsewhere goes to `out_dir`/sumo,
+/// where rewritten copies of such additional files are left.
+///
+/// # Errors
+/// A file that cannot be read or written.
+pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, ScenarioError> {
+    let folder = absolute(Path::new(""), &out_dir.join("sumo"));
+    let mut line = Line { arguments: Vec::new(), given: given(&setup.options) };
+    let mut outputs = BTreeMap::new();
+    match &setup.source {
+        Source::Running => {}
+        Source::Config(path) => {
+            line.push("configuration-file", &path.to_string_lossy());
+            outputs = configured(&mut line, path, &folder)?;
+        }
+        Source::Network { net, routes, additional } => {
+            let mut redirect = Redirect::new(&folder, "");
+            line.push("net-file", &net.to_string_lossy());
+            line.push_list("route-files", routes);
+            let additional: Vec<PathBuf> =
+                additional.iter().map(|f| redirect.additional(f)).collect::<Result<_, _>>()?;
+            line.push_list("additional-files", &additional);
+        }
+    }
+    line.push("step-length", &setup.step_length_s.to_string());
+    line.push("seed", &setup.seed.to_string());
+    line.push("random", "false");
+    line.push("step-method.ballistic", &setup.ballistic.to_string());
+    if setup.num_clients > 1 {
+        line.push("num-clients", &setup.num_clients.to_string());
+    }
+    line.push("no-step-log", "true");
+    if setup.gui {
+        line.push("start", "true");
+        line.push("quit-on-end", "true");
+    }
+    let mut ours = |option: &str, file: &str| {
+        let path = outputs.get(option).cloned().unwrap_or_else(|| folder.join(file));
+        if !outputs.contains_key(option) {
+            line.push(option, &path.to_string_lossy());
+        }
+        line.written(option, path)
+    };
+    let statistics = ours("statistic-output", "statistics.xml");
+    let log = ours("log", "sumo.log");
+    // Vehicles may bring this device along in their parameters; without a name its file lands beside the configuration.
+    ours("device.ssm.file", "ssm.xml");
+    let tripinfo = ours("tripinfo-output", "tripinfo.xml");
+    if !outputs.contains_key("tripinfo-output") {
+        line.push("tripinfo-output.write-unfinished", "true");
+    }
+    let mut arguments = line.arguments;
+    arguments.extend(setup.options.iter().cloned());
+    Ok(SumoCommand { arguments, statistics, tripinfo, log })
+}
+
+/// Redirects what a configuration writes. Returns where its outputs go, by option.
+fn configured(line: &mut Line, path: &Path, folder: &Path) -> Result<BTreeMap<String, PathBuf>, ScenarioError> {
+    let configuration = Configuration::read(path)?;
+    let home = configuration.origin.folder.clone();
+    let mut redirect = Redirect::new(folder, configuration.value("output-prefix").unwrap_or_default());
+    let mut outputs = BTreeMap::new();
+    for option in ["output-prefix", "output-suffix"] {
+        if configuration.get(option).is_some() {
+            line.push(option, "");
+        }
+    }
+    for setting in configuration.settings.iter().filter(|s| writes(&s.name) && !s.value.is_empty()) {
+        if outputs.contains_key(&setting.name) {
+            continue;
+        }
+        let targets: Vec<String> = list(&setting.value).map(|f| redirect.target(&home, f)).collect();
+        line.push(&setting.name, &targets.join(","));
+        outputs.insert(setting.name.clone(), PathBuf::from(targets.join(",")));
+    }
+    let saves = ["save-state.times", "save-state.period"].iter().any(|o| configuration.get(o).is_some());
+    if saves && !outputs.contains_key("save-state.prefix") {
+        line.push("save-state.prefix", &redirect.target(&home, "state"));
+    }
+    let files = configuration.files("additional-files");
+    let copies: Vec<PathBuf> = files.iter().map(|f| redirect.additional(f)).collect::<Result<_, _>>()?;
+    if copies != files {
+        line.push_list("additional-files", &copies);
+    }
+    Ok(outputs)
+}
+
+/// The first of the user's options that is not the user's to give, with what to use instead.
+pub(super) fn ours(options: &[String]) -> Option<(String, &'static str)> {
+    let given = given(options);
+    OURS.iter()
+        .find(|(option, _)| given.contains_key(*option))
+        .map(|(option, instead)| (format!("--{option}"), *instead))
+}
+
+/// The user's options by long name. A word that starts with a dash and is no number begins an option.
+fn given(options: &[String]) -> BTreeMap<String, String> {
+    let mut given = BTreeMap::new();
+    let mut words = options.iter().peekable();
+    while let Some(word) = words.next() {
+        let Some(name) = word.strip_prefix("--").or_else(|| word.strip_prefix('-')) else { continue };
+        let (name, value) = match name.split_once('=') {
+            Some((name, value)) => (name, value.to_owned()),
+            None => {
+                let is_value = |w: &&String| !w.starts_with('-') || w.parse::<f64>().is_ok();
+                (name, words.next_if(is_value).cloned().unwrap_or_default())
+            }
+        };
+        given.insert(canonical(name).to_owned(), value);
+    }
+    given
+}
+
+struct Line {
+    arguments: Vec<String>,
+    given: BTreeMap<String, String>,
+}
+
+impl Line {
+    /// Adds an option, unless the user gives it.
+    fn push(&mut self, option: &str, value: &str) {
+        if !self.given.contains_key(option) {
+            self.arguments.push(format!("--{option}"));
+            self.arguments.push(value.to_owned());
+        }
+    }
+
+    fn push_list(&mut self, option: &str, files: &[PathBuf]) {
+        if !files.is_empty() {
+            self.push(option, &files.iter().map(|f| f.to_string_lossy()).collect::<Vec<_>>().join(","));
+        }
+    }
+
+    /// Where SUMO writes the file of an option in the end: the user's name and prefix count.
+    fn written(&self, option: &str, ours: PathBuf) -> PathBuf {
+        let path = match self.given.get(option) {
+            Some(value) => absolute(Path::new(""), Path::new(value)),
+            None => ours,
+        };
+        match (self.given.get("output-prefix"), path.file_name()) {
+            (Some(prefix), Some(name)) => path.with_file_name(format!("{prefix}{}", name.to_string_lossy())),
+            _ => path,
+        }
+    }
+}
