@@ -159,8 +159,8 @@ impl PlantBlock {
         let car = Car::pick(&self.cars, slot);
         let drive = Drive::new::<Libm>(&car, 0.0, steer_rad, 0.0, 0.0, 0.0);
         let moment = self.moment(slot);
-        let slip = tyre_forces::<Libm>(&car, &drive, &peaks(&car, &drive, moment.acceleration), &moment.x).slip;
-        [0.5 * (slip[0] + slip[1]), 0.5 * (slip[2] + slip[3])]
+        let slip = tyre_forces::<Libm>(&car, &drive, &peaks(&car, &drive, moment.acceleration), &moment.x).along;
+        [0.5 * (slip[0].slip + slip[1].slip), 0.5 * (slip[2].slip + slip[3].slip)]
     }
 
     #[inline(always)]
@@ -184,7 +184,7 @@ impl PlantBlock {
     /// Writes `next` where `moving` is 1; a slot that does not move keeps its bits.
     #[inline(always)]
     fn put(&mut self, lane: usize, next: &Moment, moving: f64) {
-        let choose = |new: f64, old: f64| if moving > 0.0 { new } else { old };
+        let choose = |new: f64, old: f64| trig::choose(moving > 0.0, new, old);
         self.vx_mps[lane] = choose(next.x[0], self.vx_mps[lane]);
         self.vy_mps[lane] = choose(next.x[1], self.vy_mps[lane]);
         self.yaw_rate_radps[lane] = choose(next.x[2], self.yaw_rate_radps[lane]);

@@ -127,7 +127,9 @@ impl Body {
             set(friction, values, "friction");
         }
         for (wheel, name) in
-            ["friction_front_left", "friction_front_right", "friction_rear_left", "friction_rear_right"].iter().enumerate()
+            ["friction_front_left", "friction_front_right", "friction_rear_left", "friction_rear_right"]
+                .iter()
+                .enumerate()
         {
             set(&mut self.friction[wheel], values, name);
         }

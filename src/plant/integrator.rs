@@ -12,7 +12,7 @@
 //! The wheels do not see each other, so that A is diagonal in them; eliminating them leaves three unknowns.
 
 use super::seven_dof::{Car, Drive, Forces, Vector, across_axis, along_axis, peaks, rates, road_forces, tyre_forces};
-use super::trig::Trig;
+use super::trig::{Trig, choose};
 
 /// γ = 1 − 1/√2, one of the two values that make the method L-stable, the one with the smaller error.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -59,8 +59,8 @@ pub fn substep<T: Trig>(car: &Car, drive: &Drive, now: &Moment, h: f64) -> Momen
         next[i] = x[i] + h * (k[i] + d[i]);
     }
     for wheel in 0..4 {
-        let stops = drive.brake[wheel / 2] > 0.0 && next[3 + wheel] * x[3 + wheel] < 0.0;
-        next[3 + wheel] = if stops { 0.0 } else { next[3 + wheel] };
+        let stops = (drive.brake[wheel / 2] > 0.0) & (next[3 + wheel] * x[3 + wheel] < 0.0);
+        next[3 + wheel] = choose(stops, 0.0, next[3 + wheel]);
     }
     let next = hold(car, drive, x, next);
     Moment {
@@ -77,11 +77,11 @@ fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> ([f64
     let (mut torque, mut free) = ([0.0; 4], [0.0; 4]);
     for wheel in 0..4 {
         let (motor, brake, speed) = (drive.motor[wheel / 2], drive.brake[wheel / 2], x[3 + wheel]);
-        let pull = motor - car.radius * forces.along[wheel];
-        let direction = if speed == 0.0 { pull } else { speed };
-        let held = speed == 0.0 && pull.abs() <= brake;
-        torque[wheel] = motor - if direction < 0.0 { -brake } else { brake };
-        free[wheel] = if held { 0.0 } else { 1.0 };
+        let pull = motor - car.radius * forces.along[wheel].force;
+        let direction = choose(speed == 0.0, pull, speed);
+        let held = (speed == 0.0) & (pull.abs() <= brake);
+        torque[wheel] = motor - brake.copysign(direction);
+        free[wheel] = choose(held, 0.0, 1.0);
     }
     (torque, free)
 }
@@ -91,14 +91,14 @@ fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> ([f64
 #[inline(always)]
 fn hold(car: &Car, drive: &Drive, x: &Vector, mut next: Vector) -> Vector {
     let brake = 2.0 * (drive.brake[0] + drive.brake[1]);
-    let crossed = next[0] * x[0] < 0.0 || next[0].abs() <= HOLD_MPS;
-    let quiet = next[1].abs() <= HOLD_SIDEWAYS && next[2].abs() <= HOLD_SIDEWAYS;
+    let crossed = (next[0] * x[0] < 0.0) | (next[0].abs() <= HOLD_MPS);
+    let quiet = (next[1].abs() <= HOLD_SIDEWAYS) & (next[2].abs() <= HOLD_SIDEWAYS);
     let mut still = next;
     still[0] = 0.0;
     let pull = road_forces(car, drive, &still)[0].abs() * car.radius;
-    let held = crossed && quiet && brake > 0.0 && pull <= brake;
+    let held = crossed & quiet & (brake > 0.0) & (pull <= brake);
     for value in &mut next {
-        *value = if held { 0.0 } else { *value };
+        *value = choose(held, 0.0, *value);
     }
     next
 }
@@ -123,7 +123,7 @@ impl System {
         let mut s = [[0.0; 3]; 3];
         let (mut coupling, mut relief, mut lift, mut axis) = ([0.0; 4], [0.0; 4], [0.0; 4], [[0.0; 3]; 4]);
         for wheel in 0..4 {
-            let c = gh * forces.along_slope[wheel];
+            let c = gh * forces.along[wheel].slope;
             let turn = free[wheel] * car.radius * c / car.wheel_inertia;
             relief[wheel] = 1.0 / (1.0 + turn * car.radius);
             coupling[wheel] = turn * relief[wheel];
@@ -132,7 +132,7 @@ impl System {
             rank_one(&mut s, axis[wheel], c * relief[wheel]);
         }
         for axle in 0..2 {
-            rank_one(&mut s, across_axis(car, drive, axle), gh * forces.across_slope[axle]);
+            rank_one(&mut s, across_axis(car, drive, axle), gh * forces.across[axle].slope);
         }
         // Inertia: V̇_x = ψ̇ V_y, V̇_y = −ψ̇ V_x.
         let m = gh * car.mass;

@@ -20,7 +20,7 @@
 //! damper: standstill is an equilibrium, at any steer angle.
 
 use super::body::{AIR_DENSITY_KGPM3, Body, GRAVITY_MPS2};
-use super::trig::Trig;
+use super::trig::{Trig, choose};
 use super::tyre::Tyre;
 use crate::lanes::Lanes;
 
@@ -167,8 +167,8 @@ impl Drive {
     /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2 [rad].
     #[inline(always)]
     pub fn new<T: Trig>(car: &Car, torque: f64, steer: f64, grade: f64, bank: f64, headwind: f64) -> Self {
-        let motor = if torque > 0.0 { torque } else { 0.0 };
-        let brake = if torque < 0.0 { -torque } else { 0.0 };
+        let motor = larger(torque, 0.0);
+        let brake = larger(-torque, 0.0);
         let (sin_steer, sin_grade, sin_bank) = (T::sin(steer), T::sin(grade), T::sin(bank));
         // By the square root, cos 0 is exactly 1.
         let cosine = |sine: f64| (1.0 - sine * sine).sqrt();
@@ -194,24 +194,31 @@ pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
         let static_load = car.load[axle] * drive.load_scale;
         let roll = car.roll_transfer[axle] * acceleration[1];
         let load = static_load + if axle == 0 { -pitch } else { pitch } + if wheel % 2 == 0 { -roll } else { roll };
-        peak[wheel] = car.friction[wheel] * if load > 0.0 { load } else { 0.0 };
+        peak[wheel] = car.friction[wheel] * larger(load, 0.0);
     }
     peak
 }
 
-/// Forces of all tyres on the body, and what an implicit step wants to know about them.
+/// A tyre force, and what an implicit step wants to know about it.
+#[derive(Debug, Clone, Copy)]
+pub struct Force {
+    /// The force in tyre axes [N].
+    pub force: f64,
+    /// Its chord over the slip speed that causes it, ≥ 0 [N per m/s].
+    pub slope: f64,
+    /// Slip ratio or slip angle.
+    pub slip: f64,
+    /// Force over peak.
+    pub shape: f64,
+}
+
+/// Forces of all tyres on the body.
 #[derive(Debug, Clone, Copy)]
 pub struct Forces {
-    /// F_xp of the wheels in tyre axes [N].
-    pub along: [f64; 4],
-    /// F_yp of the axles in tyre axes, both wheels [N].
-    pub across: [f64; 2],
-    /// Slip ratios τ of the wheels.
-    pub slip: [f64; 4],
-    /// Chord of F_xp over the slip speed rω − V, ≥ 0 [N per m/s].
-    pub along_slope: [f64; 4],
-    /// Chord of F_yp over the sideways speed of the axle, ≥ 0 [N per m/s].
-    pub across_slope: [f64; 2],
+    /// F_xp of the wheels.
+    pub along: [Force; 4],
+    /// F_yp of the axles, both wheels.
+    pub across: [Force; 2],
 }
 
 /// Direction in which a longitudinal tyre force acts on (V_x, V_y, ψ̇), and which of them its hub speed is made of.
@@ -236,84 +243,94 @@ fn dot(axis: [f64; 3], x: &Vector) -> f64 {
 
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
+    choose(a > b, a, b)
 }
 
-/// Tyre forces in state `x`.
+#[inline(always)]
+fn within_one(a: f64) -> f64 {
+    choose(a.abs() > 1.0, 1.0_f64.copysign(a), a)
+}
+
+/// Tyre forces in state `x`. Written out wheel by wheel: a loop here would keep the loop over lanes from becoming vector
+/// code.
 #[inline(always)]
 pub fn tyre_forces<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector) -> Forces {
-    let mut forces =
-        Forces { along: [0.0; 4], across: [0.0; 2], slip: [0.0; 4], along_slope: [0.0; 4], across_slope: [0.0; 2] };
-    let mut lateral_peak = [0.0; 2];
-    for wheel in 0..4 {
-        let axle = wheel / 2;
-        let tyre = &car.longitudinal[axle];
-        let hub = dot(along_axis(car, drive, wheel), x);
-        let rim = car.radius * x[3 + wheel];
-        let scale = larger(larger(rim.abs(), hub.abs()), FLOOR_MPS);
-        let slip = (rim - hub) / scale;
-        let slip = if slip > 1.0 { 1.0 } else { slip };
-        let slip = if slip < -1.0 { -1.0 } else { slip };
-        let shape = tyre.shape::<T>(slip);
-        forces.slip[wheel] = slip;
-        forces.along[wheel] = peak[wheel] * shape;
-        forces.along_slope[wheel] = peak[wheel] * chord(tyre, slip, shape) / scale;
-        lateral_peak[axle] += peak[wheel] * (1.0 - car.ellipse * shape * shape).sqrt();
-    }
-    for axle in 0..2 {
-        let tyre = &car.lateral[axle];
-        let [cos, sin] = if axle == 0 { drive.steer } else { [1.0, 0.0] };
-        let ahead = (cos * x[0] + sin * (x[1] + car.axle_x[axle] * x[2])).abs();
-        let scale = larger(ahead, FLOOR_MPS);
-        let tangent = -dot(across_axis(car, drive, axle), x) / scale;
-        let angle = T::atan(tangent);
-        let shape = tyre.shape::<T>(angle);
-        forces.across[axle] = lateral_peak[axle] * shape;
-        forces.across_slope[axle] = lateral_peak[axle] * chord(tyre, tangent, shape) / scale;
-    }
-    forces
+    let along = [
+        along_force::<T>(car, drive, peak, x, 0),
+        along_force::<T>(car, drive, peak, x, 1),
+        along_force::<T>(car, drive, peak, x, 2),
+        along_force::<T>(car, drive, peak, x, 3),
+    ];
+    let across = [across_force::<T>(car, drive, peak, &along, x, 0), across_force::<T>(car, drive, peak, &along, x, 1)];
+    Forces { along, across }
+}
+
+/// F_xp of a wheel.
+#[inline(always)]
+fn along_force<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector, wheel: usize) -> Force {
+    let tyre = &car.longitudinal[wheel / 2];
+    let hub = dot(along_axis(car, drive, wheel), x);
+    let rim = car.radius * x[3 + wheel];
+    let scale = larger(larger(rim.abs(), hub.abs()), FLOOR_MPS);
+    let slip = within_one((rim - hub) / scale);
+    let shape = tyre.shape::<T>(slip);
+    Force { force: peak[wheel] * shape, slope: peak[wheel] * chord(tyre, slip, shape) / scale, slip, shape }
+}
+
+/// F_yp of an axle: the slip angle is the axle's, the peaks are its wheels', and with the friction ellipse what a wheel
+/// spends along it lacks across.
+#[inline(always)]
+fn across_force<T: Trig>(
+    car: &Car,
+    drive: &Drive,
+    peak: &[f64; 4],
+    along: &[Force; 4],
+    x: &Vector,
+    axle: usize,
+) -> Force {
+    let tyre = &car.lateral[axle];
+    let [cos, sin] = if axle == 0 { drive.steer } else { [1.0, 0.0] };
+    let ahead = cos * x[0] + sin * (x[1] + car.axle_x[axle] * x[2]);
+    let scale = larger(ahead.abs(), FLOOR_MPS);
+    let tangent = -dot(across_axis(car, drive, axle), x) / scale;
+    let slip = T::atan(tangent);
+    let shape = tyre.shape::<T>(slip);
+    let (left, right) = (along[2 * axle].shape, along[2 * axle + 1].shape);
+    let peak = peak[2 * axle] * (1.0 - car.ellipse * left * left).sqrt()
+        + peak[2 * axle + 1] * (1.0 - car.ellipse * right * right).sqrt();
+    Force { force: peak * shape, slope: peak * chord(tyre, tangent, shape) / scale, slip, shape }
 }
 
 /// shape/slip, which is BC in the limit of no slip; never negative.
 #[inline(always)]
 fn chord(tyre: &Tyre, slip: f64, shape: f64) -> f64 {
     let quotient = shape / slip;
-    let quotient = if slip.abs() > 1e-6 { quotient } else { tyre.b * tyre.c };
-    larger(quotient, 0.0)
+    larger(choose(slip.abs() > 1e-6, quotient, tyre.b * tyre.c), 0.0)
 }
 
 /// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y [N].
 #[inline(always)]
 pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
     let wind = x[0] + drive.headwind;
-    let rolling = x[0] / FLOOR_MPS;
-    let rolling = if rolling > 1.0 { 1.0 } else { rolling };
-    let rolling = if rolling < -1.0 { -1.0 } else { rolling };
-    [drive.gravity[0] - car.drag * wind * wind.abs() - car.rolling * rolling, drive.gravity[1]]
+    let rolling = car.rolling * within_one(x[0] / FLOOR_MPS);
+    [drive.gravity[0] - car.drag * wind * wind.abs() - rolling, drive.gravity[1]]
 }
 
 /// Sums the right-hand sides of the four equations in the head of this file; `torque` is C_mi − C_fi of the wheels and
 /// `free` is 1 for a wheel that turns, 0 for one that its brake holds.
 #[inline(always)]
-pub fn rates(
-    car: &Car,
-    drive: &Drive,
-    x: &Vector,
-    forces: &Forces,
-    torque: &[f64; 4],
-    free: &[f64; 4],
-) -> Vector {
+pub fn rates(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, torque: &[f64; 4], free: &[f64; 4]) -> Vector {
     let mut sum = [0.0; 3];
     for wheel in 0..4 {
         let axis = along_axis(car, drive, wheel);
         for k in 0..3 {
-            sum[k] += axis[k] * forces.along[wheel];
+            sum[k] += axis[k] * forces.along[wheel].force;
         }
     }
     for axle in 0..2 {
         let axis = across_axis(car, drive, axle);
         for k in 0..3 {
-            sum[k] += axis[k] * forces.across[axle];
+            sum[k] += axis[k] * forces.across[axle].force;
         }
     }
     let road = road_forces(car, drive, x);
@@ -322,7 +339,7 @@ pub fn rates(
     dx[1] = -x[2] * x[0] + (sum[1] + road[1]) / car.mass;
     dx[2] = sum[2] / car.yaw_inertia;
     for wheel in 0..4 {
-        dx[3 + wheel] = free[wheel] * (torque[wheel] - car.radius * forces.along[wheel]) / car.wheel_inertia;
+        dx[3 + wheel] = free[wheel] * (torque[wheel] - car.radius * forces.along[wheel].force) / car.wheel_inertia;
     }
     dx
 }

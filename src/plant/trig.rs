@@ -3,6 +3,14 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
+/// `yes` if `condition`, else `no`, by masks: the compiler never makes a branch of it, which would keep a loop over lanes
+/// from becoming vector code.
+#[inline(always)]
+pub fn choose(condition: bool, yes: f64, no: f64) -> f64 {
+    let mask = 0_u64.wrapping_sub(u64::from(condition));
+    f64::from_bits((yes.to_bits() & mask) | (no.to_bits() & !mask))
+}
+
 /// Where the equations take their trigonometry from.
 pub trait Trig {
     /// arctan(x).
@@ -62,11 +70,10 @@ impl Trig for Polynomial {
     fn atan(x: f64) -> f64 {
         let a = x.abs();
         let (near, far) = (a < TAN_PI_8, a > TAN_3PI_8);
-        let numerator = if near { a } else { a - 1.0 };
-        let denominator = if near { 1.0 } else { a + 1.0 };
-        let t = if far { -1.0 } else { numerator } / if far { a } else { denominator };
-        let offset = if near { 0.0 } else { FRAC_PI_4 };
-        let offset = if far { FRAC_PI_2 } else { offset };
+        let numerator = choose(far, -1.0, choose(near, a, a - 1.0));
+        let denominator = choose(far, a, choose(near, 1.0, a + 1.0));
+        let offset = choose(far, FRAC_PI_2, choose(near, 0.0, FRAC_PI_4));
+        let t = numerator / denominator;
         (offset + t * horner(&ATAN, t * t)).copysign(x)
     }
 
@@ -74,9 +81,9 @@ impl Trig for Polynomial {
     #[inline(always)]
     fn sin(x: f64) -> f64 {
         let a = x.abs();
-        let folded = if a > FRAC_PI_2 { PI - a } else { a };
+        let folded = choose(a > FRAC_PI_2, PI - a, a);
         let s = folded * horner(&SIN, folded * folded);
-        if x < 0.0 { -s } else { s }
+        choose(x < 0.0, -s, s)
     }
 }
 
