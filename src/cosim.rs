@@ -56,7 +56,7 @@ pub enum CosimError {
     Batch(#[from] traci::BatchError),
     /// Bytes that are not TraCI.
     #[error("SUMO's answer cannot be understood: {0}")]
-    Decode(#[from] traci::DecodeError),
+    Decode(#[from] traci::wire::DecodeError),
     /// A name that no registry has.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
@@ -144,8 +144,8 @@ impl World {
         let mut batch = Batch::new();
         let events = [TIME, DEPARTED, ARRIVED, TELEPORT_START, COLLIDING, EXPECTED];
         batch.subscribe(Domain::Simulation, "", &events, time_s)?;
-        let present = batch.get(traci::vehicle::ID_LIST, "")?;
-        let expected = batch.get(traci::simulation::MIN_EXPECTED_NUMBER, "")?;
+        let present = batch.get(traci::vehicle::IDS, "")?;
+        let expected = batch.get(traci::simulation::EXPECTED, "")?;
         let reply = client.exchange(&batch).await?;
         state.waiting = reply.get(present)?;
         state.expected = reply.get(expected)?;
@@ -209,7 +209,7 @@ impl World {
         if readings.is_some() {
             for ego in state.book.iter() {
                 self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
-                self.batch.get_by_prefix(traci::vehicle::ROAD_ID, &ego.prefix)?;
+                self.batch.get_by_prefix(traci::vehicle::ROAD, &ego.prefix)?;
             }
         }
         for key in &newcomers {
@@ -256,7 +256,7 @@ impl World {
         self.batch.clear();
         for ego in self.state.book.iter() {
             self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
-            self.batch.get_by_prefix(traci::vehicle::ROAD_ID, &ego.prefix)?;
+            self.batch.get_by_prefix(traci::vehicle::ROAD, &ego.prefix)?;
         }
         for ego in self.state.book.iter() {
             lead::hand_back(&mut self.batch, ego)?;

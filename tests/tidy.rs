@@ -112,8 +112,8 @@ fn without_text(source: &str) -> String {
             string_end(rest)
         } else if rest.starts_with("'\"'") {
             3
-        } else if rest.starts_with(r"'\") {
-            2 + rest[2..].char_indices().skip(1).find(|(_, c)| *c == '\'').map_or(0, |(i, _)| i + 1)
+        } else if let Some(tail) = rest.strip_prefix(r"'\") {
+            2 + tail.char_indices().skip(1).find(|(_, c)| *c == '\'').map_or(0, |(i, _)| i + 1)
         } else if rest.starts_with("'{'") || rest.starts_with("'}'") {
             3
         } else {
