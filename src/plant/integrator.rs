@@ -79,7 +79,7 @@ fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> ([f64
         let (motor, brake, speed) = (drive.motor[wheel / 2], drive.brake[wheel / 2], x[3 + wheel]);
         let pull = motor - car.radius * forces.along[wheel].force;
         let direction = choose(speed == 0.0, pull, speed);
-        let held = (speed == 0.0) & (pull.abs() <= brake);
+        let held = (brake > 0.0) & (speed == 0.0) & (pull.abs() <= brake);
         torque[wheel] = motor - brake.copysign(direction);
         free[wheel] = choose(held, 0.0, 1.0);
     }
