@@ -277,4 +277,9 @@ impl World {
         self.client.close().await?;
         Ok(self.state)
     }
+
+    /// What is known when SUMO cannot be left in order any more.
+    pub fn into_state(self) -> State {
+        self.state
+    }
 }

@@ -25,6 +25,7 @@ pub mod plant;
 pub mod random;
 pub mod reference;
 pub mod registry;
+pub mod run;
 pub mod scenario;
 pub mod stats;
 pub mod traci;

@@ -3,14 +3,16 @@
 mod cli;
 
 use std::{
-    io::{ErrorKind, Write},
+    io::{ErrorKind, IsTerminal, Write},
     process::ExitCode,
 };
 
 use clap::Parser;
 use cli::{CheckArgs, Cli, Command, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
-use sumo_mfc::scenario::{Catalog, Scenario, claim_folder, template};
+use sumo_mfc::output::terminal_text;
+use sumo_mfc::run::{self, RunOptions};
+use sumo_mfc::scenario::{Catalog, Scenario, template};
 
 fn main() -> ExitCode {
     // Long paths stay whole, so that they can be copied and searched for.
@@ -42,8 +44,17 @@ fn run(args: &RunArgs) -> miette::Result<()> {
         notes(&scenario);
     }
     let out_dir = args.out.clone().unwrap_or_else(|| scenario.default_folder());
-    claim_folder(&out_dir, args.force)?;
-    Ok(())
+    let options = RunOptions {
+        out_dir,
+        force: args.force,
+        threads: args.threads.map(usize::from),
+        progress: !args.quiet && std::io::stderr().is_terminal(),
+    };
+    let result = run::run(&scenario, &options)?;
+    for note in result.notes.iter().filter(|_| !args.quiet) {
+        eprintln!("note: {note}");
+    }
+    print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))
 }
 
 fn check(args: &CheckArgs) -> miette::Result<()> {
