@@ -10,7 +10,10 @@ use std::{
 use clap::Parser;
 use cli::{CheckArgs, Cli, Command, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
-use sumo_mfc::scenario::{Catalog, Scenario, claim_folder, template};
+use sumo_mfc::{
+    output::ResultDir,
+    scenario::{Catalog, Scenario, template},
+};
 
 fn main() -> ExitCode {
     // Long paths stay whole, so that they can be copied and searched for.
@@ -42,7 +45,7 @@ fn run(args: &RunArgs) -> miette::Result<()> {
         notes(&scenario);
     }
     let out_dir = args.out.clone().unwrap_or_else(|| scenario.default_folder());
-    claim_folder(&out_dir, args.force)?;
+    ResultDir::create(&out_dir, args.force).into_diagnostic()?;
     Ok(())
 }
 
