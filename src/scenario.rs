@@ -8,7 +8,6 @@ mod catalog;
 mod demand;
 mod document;
 mod error;
-mod folder;
 mod load;
 mod print;
 mod redirect;
@@ -23,7 +22,6 @@ use std::path::PathBuf;
 pub use catalog::{Catalog, Named, Options};
 pub use document::Override;
 pub use error::{Place, ScenarioError};
-pub use folder::claim_folder;
 pub use load::Request;
 pub use print::template;
 pub use selector::{EgoInfo, Selector};
@@ -198,6 +196,13 @@ impl Scenario {
     /// The scenario as TOML in SI units. Reading it gives the same scenario.
     pub fn to_toml(&self) -> String {
         print::scenario(self)
+    }
+
+    /// Where the results go if the user does not say: `out/<scenario>-<controller>-<seed>`, with the controller of the
+    /// vehicles that no `[[group]]` takes.
+    pub fn default_folder(&self) -> PathBuf {
+        let controller = self.groups.last().map_or("none", |g| g.controller.name);
+        PathBuf::from("out").join(format!("{}-{controller}-{}", self.name, self.sumo.seed))
     }
 
     /// The group of an ego: the first that matches.

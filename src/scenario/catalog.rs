@@ -1,7 +1,10 @@
 //! Everything that a scenario may say, as tables of keys: the fixed sections, and what the registries offer by name.
 
 use crate::{
+    control::CONTROLLERS,
     keys::{Key, Kind},
+    plant::{BODIES, BODY_KEYS, PLANTS},
+    reference::TARGETS,
     registry::{Entry, UnknownName, nearest},
 };
 
@@ -62,6 +65,17 @@ pub struct Catalog {
 }
 
 impl Catalog {
+    /// What this build offers.
+    pub fn installed() -> Self {
+        Self {
+            controllers: Options::of("controller", CONTROLLERS),
+            targets: Options::of("target", TARGETS),
+            plants: Options::of("plant", PLANTS),
+            bodies: Options::of("body", BODIES),
+            body_keys: BODY_KEYS,
+        }
+    }
+
     /// All registries, in the order of `sumo-mfc list`.
     pub fn registries(&self) -> [&Options; 4] {
         [&self.controllers, &self.targets, &self.plants, &self.bodies]
@@ -165,31 +179,3 @@ pub(crate) const OUTPUT_KEYS: &[Key] = &[
         help: "file of the trace: .csv, .parquet or .xml",
     },
 ];
-
-const GAIN: Key = number("k_p", "1/s", (0.0, 1000.0), "1", "gain of the speed error");
-
-const CONTROLLERS: &[Entry<()>] = &[
-    Entry { name: "classic", summary: "stand-in", keys: &[GAIN], build: () },
-    Entry { name: "adaptive", summary: "stand-in", keys: &[GAIN], build: () },
-];
-
-const TARGETS: &[Entry<()>] = &[Entry { name: "traffic", summary: "stand-in", keys: &[], build: () }];
-
-const PLANTS: &[Entry<()>] = &[Entry { name: "seven_dof", summary: "stand-in", keys: &[], build: () }];
-
-const BODIES: &[Entry<()>] = &[Entry { name: "car", summary: "stand-in", keys: &[], build: () }];
-
-const BODY_KEYS: &[Key] = &[number("mass_kg", "kg", (100.0, 60_000.0), "", "mass")];
-
-impl Catalog {
-    /// What this build offers.
-    pub fn installed() -> Self {
-        Self {
-            controllers: Options::of("controller", CONTROLLERS),
-            targets: Options::of("target", TARGETS),
-            plants: Options::of("plant", PLANTS),
-            bodies: Options::of("body", BODIES),
-            body_keys: BODY_KEYS,
-        }
-    }
-}

@@ -71,12 +71,6 @@ pub enum ScenarioError {
         /// What the parser says.
         message: String,
     },
-    /// A finished result is in the way.
-    #[error("{}: holds a finished result; --force replaces it, -o DIR writes elsewhere", path.display())]
-    Finished {
-        /// The folder.
-        path: PathBuf,
-    },
     /// A key or section that does not exist.
     #[error("{place}: unknown key {key}{}", suggestion.as_ref().map(|s| format!("; did you mean {s}?")).unwrap_or_default())]
     UnknownKey {
@@ -145,11 +139,7 @@ pub enum ScenarioError {
 impl ScenarioError {
     fn place(&self) -> Option<&Place> {
         match self {
-            Self::Unreadable { .. }
-            | Self::Unwritable { .. }
-            | Self::Finished { .. }
-            | Self::NoSource(_)
-            | Self::NoRoutes { .. } => None,
+            Self::Unreadable { .. } | Self::Unwritable { .. } | Self::NoSource(_) | Self::NoRoutes { .. } => None,
             Self::Syntax { place, .. }
             | Self::UnknownKey { place, .. }
             | Self::WrongValue { place, .. }

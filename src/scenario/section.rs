@@ -6,6 +6,7 @@ use super::{
     document::{Entry, Node, Table},
     error::ScenarioError,
     spread::Distribution,
+    sumocfg::environment,
 };
 use crate::{
     keys::{Key, Kind, Value, Values},
@@ -153,7 +154,7 @@ pub(crate) fn texts(entry: &Entry, path: &str) -> Result<Vec<String>, ScenarioEr
 
 /// The absolute path of a file that is named in `entry` and must be there.
 pub(crate) fn existing(entry: &Entry, path: &str, name: &str) -> Result<PathBuf, ScenarioError> {
-    let file = absolute(&entry.place.origin.folder, Path::new(name));
+    let file = absolute(&entry.place.origin.folder, Path::new(&environment(name)));
     if file.is_file() {
         return Ok(file);
     }

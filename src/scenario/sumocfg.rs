@@ -16,6 +16,7 @@ use super::{
     error::{Origin, Place, ScenarioError},
     section::absolute,
 };
+use crate::traci::find_sumo;
 
 /// Options that name files to write, with their synonyms (SUMO 1.15 to 1.28). Newer options that end in `-output` are
 /// recognised by that.
@@ -141,12 +142,18 @@ pub(super) fn is_true(value: &str) -> bool {
     ["1", "yes", "true", "on", "x", "t"].contains(&value.to_lowercase().as_str())
 }
 
-/// Puts environment variables in place of `${NAME}`, as SUMO does. Unknown ones stay.
-fn environment(text: &str) -> String {
+/// Puts environment variables in place of `${NAME}`, as SUMO does. Unknown ones stay. `${SUMO_HOME}` is where SUMO was
+/// found, if the variable is not set.
+pub(super) fn environment(text: &str) -> String {
+    let value = |name: &str| match std::env::var(name) {
+        Ok(value) => Some(value),
+        Err(_) if name == "SUMO_HOME" => Some(find_sumo(None).ok()?.home?.to_string_lossy().into_owned()),
+        Err(_) => None,
+    };
     let mut parts = text.split("${");
     let mut whole = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        match part.split_once('}').and_then(|(name, rest)| Some((std::env::var(name).ok()?, rest))) {
+        match part.split_once('}').and_then(|(name, rest)| Some((value(name)?, rest))) {
             Some((value, rest)) => whole.extend([value.as_str(), rest]),
             None => whole.extend(["${", part]),
         }
