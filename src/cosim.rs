@@ -170,6 +170,9 @@ impl World {
     pub async fn step(&mut self) -> Result<(), CosimError> {
         self.admit_waiting().await?;
         self.learn_lane_limits().await?;
+        if self.state.reads_now() {
+            self.state.note_distances();
+        }
         self.state.advance_leaders();
         let readings = self.compose()?;
         let reply = self.client.exchange(&self.batch).await?;
@@ -253,6 +256,7 @@ impl World {
     /// # Errors
     /// If SUMO has ended.
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
+        self.state.note_distances();
         self.batch.clear();
         for ego in self.state.book.iter() {
             self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;

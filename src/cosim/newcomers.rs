@@ -166,6 +166,7 @@ impl World {
             prefix: vehicle.prefix,
             presence: Presence::Driving,
             odometer_offset_m: vehicle.odometer_m,
+            distance_m: 0.0,
             odometer_gap_m: None,
             edge: None,
             lead,
