@@ -6,8 +6,8 @@ use serde::Serialize;
 use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
 
-/// The tables that a run may write, without suffix.
-const TABLES: [&str; 4] = ["vehicles", "trace", "edges", "sample"];
+/// The tables that a run or a comparison may write, without suffix.
+const TABLES: [&str; 5] = ["vehicles", "trace", "edges", "sample", "comparison"];
 const MANIFEST: &str = "run.json";
 const SUMMARY: &str = "summary.json";
 
