@@ -5,6 +5,7 @@ use std::fmt;
 use super::{
     document::{Entry, Node, Table},
     error::ScenarioError,
+    section,
 };
 use crate::{random::Stream, registry::nearest};
 
@@ -87,7 +88,7 @@ impl Distribution {
                 place: found.unwrap_or(at).place.clone(),
                 key: format!("{path}.{name}"),
                 found: found.map_or_else(|| "nothing".to_owned(), |e| e.node.shown()),
-                wanted: format!("a number from {low} to {high}"),
+                wanted: format!("a number{}", section::range(low, high)),
             })
         };
         if kind == "uniform" {
