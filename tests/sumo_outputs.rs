@@ -133,16 +133,33 @@ fn law_nothing_is_written_outside_the_results() {
         fs::create_dir(out.path().join("sumo")).unwrap();
 
         let scenario = load(&path, &[]);
-        assert_eq!(scenario.inputs.len(), 8, "configuration, net, 2 routes, 2 additional, 2 included: {:?}", scenario.inputs);
+        assert_eq!(
+            scenario.inputs.len(),
+            8,
+            "configuration, net, 2 routes, 2 additional, 2 included: {:?}",
+            scenario.inputs
+        );
         let command = sumo_arguments(&scenario.sumo, out.path()).unwrap();
         let messages = run(version, &command, 20);
 
         assert_eq!(files(folder.path()), before, "{version} wrote beside the configuration\n{messages}");
         let written = files(out.path());
         for name in [
-            "run__trips.xml", "run__fcd.xml", "run__raw.xml", "run__2_raw.xml", "run__log.txt", "run__edges.xml",
-            "run__lanes.xml", "run__e1.xml", "run__instant.xml", "run__e2.xml", "run__e3.xml", "run__probe.xml",
-            "run__calibrator.xml", "run__inner.xml", "statistics.xml",
+            "run__trips.xml",
+            "run__fcd.xml",
+            "run__raw.xml",
+            "run__2_raw.xml",
+            "run__log.txt",
+            "run__edges.xml",
+            "run__lanes.xml",
+            "run__e1.xml",
+            "run__instant.xml",
+            "run__e2.xml",
+            "run__e3.xml",
+            "run__probe.xml",
+            "run__calibrator.xml",
+            "run__inner.xml",
+            "statistics.xml",
         ] {
             assert!(written.contains(&format!("sumo/{name}")), "{version}: no {name} among {written:?}");
         }
@@ -158,7 +175,11 @@ fn law_nothing_is_written_outside_the_results() {
 fn foreign_configurations_start_unchanged() {
     let racing = installed("1.28.0", "sumo/tools/game/racing");
     let resco = installed("sumo-rl", "sumo_rl/nets/RESCO");
-    let foreign = [racing.join("racing.sumocfg"), resco.join("cologne1/cologne1.sumocfg"), resco.join("ingolstadt1/ingolstadt1.sumocfg")];
+    let foreign = [
+        racing.join("racing.sumocfg"),
+        resco.join("cologne1/cologne1.sumocfg"),
+        resco.join("ingolstadt1/ingolstadt1.sumocfg"),
+    ];
     for path in foreign {
         let home = path.parent().unwrap();
         let before = files(home);
@@ -167,7 +188,8 @@ fn foreign_configurations_start_unchanged() {
         let scenario = load(&path, &[]);
         let command = sumo_arguments(&scenario.sumo, out.path()).unwrap();
         let begin = fs::read_to_string(&path).unwrap();
-        let begin = begin.split("<begin value=\"").nth(1).map_or(0, |b| b.split('"').next().unwrap().parse::<u32>().unwrap());
+        let begin =
+            begin.split("<begin value=\"").nth(1).map_or(0, |b| b.split('"').next().unwrap().parse::<u32>().unwrap());
         run("1.28.0", &command, begin + 5);
         assert_eq!(files(home), before, "{}", path.display());
         assert!(command.statistics.is_file() && command.tripinfo.is_file());
