@@ -13,7 +13,7 @@ use crate::keys::Values;
 use crate::lanes::Lanes;
 use crate::registry::Entry;
 
-/// Builds a controller for one block from its checked keys and the control period Δt [s].
+/// Builds a controller for one block from its checked keys and the control period Δt (s).
 pub type Build = fn(&Values, f64) -> Box<dyn Controller>;
 
 /// All controllers, the default first.

@@ -56,7 +56,7 @@ pub enum CosimError {
     Batch(#[from] traci::BatchError),
     /// Bytes that are not TraCI.
     #[error("SUMO's answer cannot be understood: {0}")]
-    Decode(#[from] traci::DecodeError),
+    Decode(#[from] traci::wire::DecodeError),
     /// A name that no registry has.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
@@ -144,8 +144,8 @@ impl World {
         let mut batch = Batch::new();
         let events = [TIME, DEPARTED, ARRIVED, TELEPORT_START, COLLIDING, EXPECTED];
         batch.subscribe(Domain::Simulation, "", &events, time_s)?;
-        let present = batch.get(traci::vehicle::ID_LIST, "")?;
-        let expected = batch.get(traci::simulation::MIN_EXPECTED_NUMBER, "")?;
+        let present = batch.get(traci::vehicle::IDS, "")?;
+        let expected = batch.get(traci::simulation::EXPECTED, "")?;
         let reply = client.exchange(&batch).await?;
         state.waiting = reply.get(present)?;
         state.expected = reply.get(expected)?;
@@ -170,6 +170,9 @@ impl World {
     pub async fn step(&mut self) -> Result<(), CosimError> {
         self.admit_waiting().await?;
         self.learn_lane_limits().await?;
+        if self.state.reads_now() {
+            self.state.note_distances();
+        }
         self.state.advance_leaders();
         let readings = self.compose()?;
         let reply = self.client.exchange(&self.batch).await?;
@@ -209,7 +212,7 @@ impl World {
         if readings.is_some() {
             for ego in state.book.iter() {
                 self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
-                self.batch.get_by_prefix(traci::vehicle::ROAD_ID, &ego.prefix)?;
+                self.batch.get_by_prefix(traci::vehicle::ROAD, &ego.prefix)?;
             }
         }
         for key in &newcomers {
@@ -253,10 +256,11 @@ impl World {
     /// # Errors
     /// If SUMO has ended.
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
+        self.state.note_distances();
         self.batch.clear();
         for ego in self.state.book.iter() {
             self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
-            self.batch.get_by_prefix(traci::vehicle::ROAD_ID, &ego.prefix)?;
+            self.batch.get_by_prefix(traci::vehicle::ROAD, &ego.prefix)?;
         }
         for ego in self.state.book.iter() {
             lead::hand_back(&mut self.batch, ego)?;
@@ -276,5 +280,10 @@ impl World {
     pub async fn close(self) -> Result<State, CosimError> {
         self.client.close().await?;
         Ok(self.state)
+    }
+
+    /// What is known when SUMO cannot be left in order any more.
+    pub fn into_state(self) -> State {
+        self.state
     }
 }

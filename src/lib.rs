@@ -14,6 +14,7 @@
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
+pub mod compare;
 pub mod control;
 pub mod cosim;
 pub mod fleet;
@@ -25,6 +26,7 @@ pub mod plant;
 pub mod random;
 pub mod reference;
 pub mod registry;
+pub mod run;
 pub mod scenario;
 pub mod stats;
 pub mod traci;

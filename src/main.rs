@@ -3,7 +3,7 @@
 mod cli;
 
 use std::{
-    io::{ErrorKind, Write},
+    io::{ErrorKind, IsTerminal, Write},
     process::ExitCode,
 };
 
@@ -11,7 +11,8 @@ use clap::Parser;
 use cli::{CheckArgs, Cli, Command, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
-    output::ResultDir,
+    output::terminal_text,
+    run::{self, RunOptions},
     scenario::{Catalog, Scenario, template},
 };
 
@@ -30,36 +31,42 @@ fn main() -> ExitCode {
         Command::Check(args) => check(&args),
         Command::List => list(),
     };
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(report) => {
-            eprintln!("{report:?}");
-            ExitCode::FAILURE
-        }
-    }
+    done.unwrap_or_else(|report| {
+        eprintln!("{report:?}");
+        ExitCode::FAILURE
+    })
 }
 
-fn run(args: &RunArgs) -> miette::Result<()> {
+fn run(args: &RunArgs) -> miette::Result<ExitCode> {
     let scenario = Scenario::load(&args.scenario.request(), &Catalog::installed())?;
     if !args.quiet {
-        notes(&scenario);
+        notes(&scenario.notes);
     }
-    let out_dir = args.out.clone().unwrap_or_else(|| scenario.default_folder());
-    ResultDir::create(&out_dir, args.force).into_diagnostic()?;
-    Ok(())
+    let options = RunOptions {
+        out_dir: args.out.clone().unwrap_or_else(|| scenario.default_folder()),
+        force: args.force,
+        threads: args.threads.map(usize::from),
+        progress: !args.quiet && std::io::stderr().is_terminal(),
+    };
+    let result = run::run(&scenario, &options)?;
+    if !args.quiet {
+        notes(&result.notes);
+    }
+    print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
+    Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
 }
 
-fn check(args: &CheckArgs) -> miette::Result<()> {
+fn check(args: &CheckArgs) -> miette::Result<ExitCode> {
     let catalog = Catalog::installed();
     if args.template {
         return print(&template(&catalog));
     }
     let scenario = Scenario::load(&args.scenario.request(), &catalog)?;
-    notes(&scenario);
+    notes(&scenario.notes);
     print(&scenario.to_toml())
 }
 
-fn list() -> miette::Result<()> {
+fn list() -> miette::Result<ExitCode> {
     let catalog = Catalog::installed();
     let lines = catalog.registries().into_iter().flat_map(|registry| {
         registry.entries.iter().map(|e| format!("{}\t{}\t{}\n", registry.kind, e.name, e.summary))
@@ -67,16 +74,16 @@ fn list() -> miette::Result<()> {
     print(&lines.collect::<String>())
 }
 
-fn notes(scenario: &Scenario) {
-    for note in &scenario.notes {
+fn notes(notes: &[String]) {
+    for note in notes {
         eprintln!("note: {note}");
     }
 }
 
 /// Writes data to stdout. A reader that has seen enough (`| head`) is no error.
-fn print(text: &str) -> miette::Result<()> {
+fn print(text: &str) -> miette::Result<ExitCode> {
     match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(()),
-        done => done.into_diagnostic(),
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(ExitCode::SUCCESS),
+        done => done.map(|()| ExitCode::SUCCESS).into_diagnostic(),
     }
 }

@@ -13,7 +13,7 @@ pub const KEYS: &[Key] = &[Key {
     help: "power of white noise on the measured speed, 0 dB = 1 m2/s2 per sample (paper: -6); not set = none",
 }];
 
-/// Standard deviation [m/s] of white noise with a power of `power_db` [dB] relative to 1 m²/s²: −6 dB is 0.501 m/s.
+/// Standard deviation [m/s] of white noise with a power of `power_db` (dB) relative to 1 m²/s²: −6 dB is 0.501 m/s.
 pub fn sigma_mps(power_db: f64) -> f64 {
     libm::pow(10.0, power_db / 20.0)
 }

@@ -7,6 +7,7 @@
 pub mod actuator;
 pub mod body;
 pub mod integrator;
+pub mod oracle;
 mod point_mass;
 pub mod seven_dof;
 pub mod trig;
@@ -216,6 +217,17 @@ pub static PLANTS: &[Entry<fn(&Values) -> Box<dyn Plant>>] = &[
             help: "largest integration step; a control period is divided evenly",
         }],
         build: |values| Box::new(SevenDof::new(values.number("substep_s"))),
+    },
+    Entry {
+        name: "reference",
+        summary: "the 7-DoF model integrated implicitly to a tolerance: slow, to measure the others against",
+        keys: &[Key {
+            name: "tolerance",
+            kind: Kind::Number { unit: "m/s", min: 1e-12, max: 1e-3 },
+            default: "1e-8",
+            help: "largest error of one integration step",
+        }],
+        build: |values| Box::new(oracle::Reference::new(values.number("tolerance"))),
     },
     Entry {
         name: "point_mass",

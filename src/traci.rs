@@ -14,7 +14,7 @@ pub use batch::{Batch, BatchError, Handle, MAX_ID_BYTES, Prefix};
 pub use client::{Client, SumoVersion};
 pub use error::Error;
 pub use process::{SumoBinary, SumoProcess, find_named, find_sumo};
-pub use reply::{Block, Refusal, Reply};
+pub use reply::{Block, Index, Refusal, Reply};
 pub use typed::{Domain, FromValue, Never, Shape, Var};
 pub use value::{Color, Value};
 pub use variables::{edge, junction, lane, route, simulation, trafficlight, vehicle, vehicletype};

@@ -12,6 +12,7 @@ use std::{
 const FLOORS: &[(&str, u8)] = &[
     ("plant", 0),
     ("control", 0),
+    ("measurement", 0),
     ("reference", 0),
     ("traci", 0),
     ("output", 0),
@@ -38,8 +39,8 @@ const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run"
 const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "output",
     "scenario",
-    "reference/profile",
-    "reference/recording",
+    "reference/table",
+    "traci/client",
     "traci/process",
     "run",
     "compare",
@@ -112,8 +113,8 @@ fn without_text(source: &str) -> String {
             string_end(rest)
         } else if rest.starts_with("'\"'") {
             3
-        } else if rest.starts_with(r"'\") {
-            2 + rest[2..].char_indices().skip(1).find(|(_, c)| *c == '\'').map_or(0, |(i, _)| i + 1)
+        } else if let Some(tail) = rest.strip_prefix(r"'\") {
+            2 + tail.char_indices().skip(1).find(|(_, c)| *c == '\'').map_or(0, |(i, _)| i + 1)
         } else if rest.starts_with("'{'") || rest.starts_with("'}'") {
             3
         } else {
@@ -296,7 +297,7 @@ fn law_results_use_no_platform_mathematics() {
     ];
     let calls: Vec<String> = words.iter().flat_map(|w| [format!(".{w}("), format!("f64::{w}")]).collect();
     let calls: Vec<&str> = calls.iter().map(String::as_str).collect();
-    let rooms = ["plant", "control", "reference", "stats", "fleet", "cosim", "random", "lanes", "paper"];
+    let rooms = ["plant", "control", "measurement", "reference", "stats", "fleet", "cosim", "random", "lanes", "paper"];
     let wrong = sources();
     let wrong: Vec<String> = wrong
         .iter()
@@ -393,6 +394,7 @@ fn law_addresses_are_public_ones() {
     const KNOWN: &[&str] = &[
         "127.0.0.1",
         "localhost",
+        "crates.io",
         "creativecommons.org",
         "doc.rust-lang.org",
         "docs.rs",
@@ -454,6 +456,30 @@ fn law_the_floors_are_those_of_lib_rs() {
     assert_none("rooms that are not in the table of src/lib.rs or in tests/tidy.rs", wrong.cloned());
 }
 
+/// The names that registries in `source` offer.
+fn registered(source: &str) -> Vec<String> {
+    let entry = regex::Regex::new(r#"\bEntry\s*\{\s*name:\s*"([^"]+)""#).unwrap();
+    entry.captures_iter(source).map(|c| c[1].to_owned()).collect()
+}
+
+#[test]
+fn law_every_choice_is_documented() {
+    let mut pages = fs::read_to_string(root().join("README.md")).unwrap();
+    for page in fs::read_dir(root().join("docs")).unwrap().map(|e| e.unwrap().path()) {
+        if page.extension().is_some_and(|e| e == "md") {
+            pages += &fs::read_to_string(page).unwrap();
+        }
+    }
+    let mut files = Vec::new();
+    rust_files(&root().join("src"), &mut files);
+    let names = files.iter().flat_map(|file| {
+        let text = fs::read_to_string(file).unwrap();
+        registered(text.split("#[cfg(test)]").next().unwrap())
+    });
+    let missing: BTreeSet<String> = names.filter(|n| !contains_word(&pages, n)).collect();
+    assert_none("registered, but neither in README.md nor in docs/", missing);
+}
+
 /// The checks above find what they are for.
 #[test]
 fn the_parser_finds_what_it_looks_for() {
@@ -467,6 +493,9 @@ fn the_parser_finds_what_it_looks_for() {
     let text = "fn a() {\n    b('{', \"}\", '\\'', r#\"{\"#);\n}\n\nfn c(x: [u8; 3])\nwhere\n    X: Y,\n{\n    if x { y }\n}\nfn d();\n";
     let lines: Vec<String> = without_text(text).lines().map(str::to_owned).collect();
     assert_eq!(functions(&lines), [(1, 3), (5, 6)]);
+
+    let text = "static A: &[Entry<B>] = &[Entry { name: \"one\" }, Entry {\n    name: \"two\",\n}];";
+    assert_eq!(registered(text), ["one", "two"]);
 
     assert!(contains_word("let t = Instant::now();", "Instant"));
     assert!(contains_word("use std::fs;", "std::fs"));

@@ -181,6 +181,24 @@ mod tests {
     }
 
     #[test]
+    fn law_vector_code_gives_the_bits_of_scalar_arithmetic() {
+        let mut window = Window::new(0.2, PERIOD_S);
+        let mut random = Stream::new(2, "bits", "estimator");
+        let mut history = vec![];
+        for k in 0..100 {
+            let y: Lanes = std::array::from_fn(|_| 30.0 * random.normal());
+            let v: Lanes = std::array::from_fn(|_| 3.0 * random.normal());
+            let f_hat = window.estimate(&y, &v);
+            history.push((y, v));
+            for i in (0..LANES).filter(|_| k >= 20) {
+                let samples = window.weights.iter().zip(&history[k - 20..]);
+                let expected = samples.fold(0.0, |sum, (w, (y, v))| sum + (w.y * y[i] + w.v * v[i]));
+                assert_eq!(f_hat[i].to_bits(), expected.to_bits(), "slot {i} k {k}");
+            }
+        }
+    }
+
+    #[test]
     fn a_filled_window_estimates_nothing_and_leaves_other_slots_alone() {
         let mut window = Window::new(0.2, PERIOD_S);
         estimate(&mut window, |k| k, |k| -k);

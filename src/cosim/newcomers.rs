@@ -95,7 +95,7 @@ impl World {
         let batch = &mut self.batch;
         let mut asked = Vec::new();
         for id in unknown {
-            let class = batch.get(vehicletype::VEHICLE_CLASS, id)?;
+            let class = batch.get(vehicletype::CLASS, id)?;
             let numbers = [
                 batch.get(vehicletype::LENGTH, id)?,
                 batch.get(vehicletype::ACCEL, id)?,
@@ -166,6 +166,7 @@ impl World {
             prefix: vehicle.prefix,
             presence: Presence::Driving,
             odometer_offset_m: vehicle.odometer_m,
+            distance_m: 0.0,
             odometer_gap_m: None,
             edge: None,
             lead,
@@ -191,13 +192,13 @@ fn ask_vehicle(
             accel: batch.get(vehicle::ACCEL, &id)?,
             decel: batch.get(vehicle::DECEL, &id)?,
             speed_mode: batch.get(vehicle::SPEED_MODE, &id)?,
-            lane: batch.get(vehicle::LANE_ID, &id)?,
+            lane: batch.get(vehicle::LANE, &id)?,
         })
     } else {
         None
     };
     Ok(Questions {
-        type_id: batch.get(vehicle::TYPE_ID, &id)?,
+        type_id: batch.get(vehicle::TYPE, &id)?,
         speed: batch.get(vehicle::SPEED, &id)?,
         odometer: batch.get(vehicle::DISTANCE, &id)?,
         equipped: batch.get_with(vehicle::PARAMETER, &id, "has.mfc.device")?,

@@ -318,6 +318,14 @@ impl State {
         self.waiting.append(&mut self.came);
     }
 
+    /// Notes how far every plant has come, to be compared with SUMO's odometers at the same instant.
+    pub(super) fn note_distances(&mut self) {
+        for key in self.book.keys().to_vec() {
+            let ego = &mut self.book[key];
+            ego.distance_m = self.fleet.block(ego.slot).distance_m(ego.slot.lane());
+        }
+    }
+
     /// Leaders drive the coming step: the body first, SUMO after it.
     pub(super) fn advance_leaders(&mut self) {
         if self.targets.iter().all(|t| matches!(t, Target::Traffic)) {
@@ -373,7 +381,7 @@ impl State {
             let lane = ego.slot.lane();
             let block = self.fleet.block_mut(ego.slot);
             if let Some(odometer_m) = reply.f64(first + 2 * index) {
-                ego.odometer_gap_m = Some(odometer_m - ego.odometer_offset_m - block.distance_m(lane));
+                ego.odometer_gap_m = Some(odometer_m - ego.odometer_offset_m - ego.distance_m);
             }
             if let Some(road) = reply.text(first + 2 * index + 1).filter(|r| !r.is_empty()) {
                 let sums = block.take_sums(lane);

@@ -248,6 +248,11 @@ impl Block {
         self.measured_mps[lane]
     }
 
+    /// Slip ratios of front and rear axle.
+    pub fn slip(&self, lane: usize) -> [f64; 2] {
+        self.plant.slip(lane, self.inputs.steer_rad[lane])
+    }
+
     /// SUMO's speed v* at the end of the last step [m/s].
     pub fn sumo_mps(&self, lane: usize) -> f64 {
         self.sumo_mps[lane]

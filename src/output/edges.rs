@@ -25,9 +25,8 @@ struct Sums {
     speed_mps: f64,
 }
 
-/// Sums by edge; memory grows with the network, not with time. The road of a vehicle is read once a second and all
-/// its control periods since the last reading count for it, so that about the first second after a junction belongs to
-/// the road behind it or before it.
+/// Sums by edge; memory grows with the network, not with time. The road of a vehicle is read once a second, and all its
+/// control periods since the last reading count for it: around a junction up to a second goes to the wrong side.
 #[derive(Debug, Clone, Default)]
 pub struct EdgeTable(BTreeMap<String, Sums>);
 

@@ -6,8 +6,8 @@ use serde::Serialize;
 use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
 
-/// The tables that a run may write, without suffix.
-const TABLES: [&str; 4] = ["vehicles", "trace", "edges", "sample"];
+/// The tables that a run or a comparison may write, without suffix.
+const TABLES: [&str; 5] = ["vehicles", "trace", "edges", "sample", "comparison"];
 const MANIFEST: &str = "run.json";
 const SUMMARY: &str = "summary.json";
 
@@ -78,24 +78,26 @@ impl ResultDir {
         self.write_json(SUMMARY, summary)
     }
 
-    /// Ends the manifest: status `complete`, or `incomplete` with the reason, and the list of all files that are there.
+    /// Ends the manifest: status `complete`, or `incomplete` with the reason, and the list of all files that are there,
+    /// added to those that it already names (tables that go by another name).
     ///
     /// # Errors
     /// [`OutputError::File`] if the folder cannot be read or `run.json` not be written.
     pub fn finish(&self, manifest: &mut Manifest, incomplete: Option<String>) -> Result<(), OutputError> {
         manifest.status = if incomplete.is_some() { Status::Incomplete } else { Status::Complete };
         manifest.reason = incomplete;
-        manifest.files = self.files()?;
+        manifest.files.extend(self.files()?.into_iter().chain([MANIFEST.to_owned()]));
+        manifest.files.sort();
+        manifest.files.dedup();
         self.write_manifest(manifest).map(drop)
     }
 
-    /// The whole files of the result, relative and in order: those of this program and all below `sumo/`.
+    /// The whole files of the result, relative and in order: those of this program and those in `sumo/`.
     ///
     /// # Errors
     /// [`OutputError::File`] if the folder cannot be read.
     pub fn files(&self) -> Result<Vec<String>, OutputError> {
         let mut files: Vec<String> = own_names().filter(|name| self.file(name).is_file()).collect();
-        files.push(MANIFEST.to_owned());
         let sumo = self.file("sumo");
         if sumo.is_dir() {
             for entry in std::fs::read_dir(&sumo).map_err(file_error("read", &sumo))? {
@@ -106,7 +108,6 @@ impl ResultDir {
             }
         }
         files.sort();
-        files.dedup();
         Ok(files)
     }
 

@@ -1,7 +1,7 @@
 //! The rows of the tables and their columns, in the order of the files.
 
 use super::EdgeRow;
-use super::table::{Column, Layout, Read};
+use super::table::{Column, Layout};
 use std::sync::Arc;
 
 /// How a vehicle's row ended.
@@ -159,59 +159,43 @@ pub struct SampleRow {
     pub torque: f64,
 }
 
-const fn text<R>(name: &'static str, read: fn(&R) -> Option<&str>) -> Column<R> {
-    Column { name, read: Read::Text(read) }
-}
-
-const fn number<R>(name: &'static str, read: fn(&R) -> Option<f64>) -> Column<R> {
-    Column { name, read: Read::Number(read) }
-}
-
-const fn count<R>(name: &'static str, read: fn(&R) -> u64) -> Column<R> {
-    Column { name, read: Read::Count(read) }
-}
-
-const fn flag<R>(name: &'static str, read: fn(&R) -> bool) -> Column<R> {
-    Column { name, read: Read::Flag(read) }
-}
-
 /// `vehicles.csv`.
 pub static VEHICLES: Layout<VehicleRow> = Layout {
     table: "vehicles",
     row: "vehicle",
     by_time: false,
     columns: &[
-        text("id", |r| Some(&r.id)),
-        text("type", |r| Some(&r.vehicle_type)),
-        text("controller", |r| Some(&r.controller)),
-        text("target", |r| Some(&r.target)),
-        number("depart", |r| Some(r.depart)),
-        number("arrival", |r| r.arrival),
-        number("duration", |r| r.duration),
-        number("timeloss", |r| r.timeloss),
-        number("distance", |r| r.distance),
-        count("samples", |r| r.samples),
-        number("error_mean", |r| r.error_mean),
-        number("error_std", |r| r.error_std),
-        number("error_rms", |r| r.error_rms),
-        number("error_max_abs", |r| r.error_max_abs),
-        number("overshoot_max", |r| r.overshoot_max),
-        number("speed_gap_rms", |r| r.speed_gap_rms),
-        number("jerk_rms", |r| r.jerk_rms),
-        number("accel_max", |r| r.accel_max),
-        number("decel_max", |r| r.decel_max),
-        number("torque_rms", |r| r.torque_rms),
-        number("share_traffic", |r| r.share_traffic),
-        number("share_limit", |r| r.share_limit),
-        number("share_profile", |r| r.share_profile),
-        number("share_clamp", |r| r.share_clamp),
-        count("clamped_steps", |r| r.clamped_steps),
-        number("lead_limited", |r| r.lead_limited),
-        number("curvature_limited", |r| r.curvature_limited),
-        number("odometer_gap", |r| r.odometer_gap),
-        count("collisions", |r| r.collisions),
-        text("reason", |r| Some(r.reason.as_str())),
-        flag("complete", |r| r.reason == Reason::Arrived),
+        Column::text("id", |r| Some(&r.id)),
+        Column::text("type", |r| Some(&r.vehicle_type)),
+        Column::text("controller", |r| Some(&r.controller)),
+        Column::text("target", |r| Some(&r.target)),
+        Column::number("depart", |r| Some(r.depart)),
+        Column::number("arrival", |r| r.arrival),
+        Column::number("duration", |r| r.duration),
+        Column::number("timeloss", |r| r.timeloss),
+        Column::number("distance", |r| r.distance),
+        Column::count("samples", |r| r.samples),
+        Column::number("error_mean", |r| r.error_mean),
+        Column::number("error_std", |r| r.error_std),
+        Column::number("error_rms", |r| r.error_rms),
+        Column::number("error_max_abs", |r| r.error_max_abs),
+        Column::number("overshoot_max", |r| r.overshoot_max),
+        Column::number("speed_gap_rms", |r| r.speed_gap_rms),
+        Column::number("jerk_rms", |r| r.jerk_rms),
+        Column::number("accel_max", |r| r.accel_max),
+        Column::number("decel_max", |r| r.decel_max),
+        Column::number("torque_rms", |r| r.torque_rms),
+        Column::number("share_traffic", |r| r.share_traffic),
+        Column::number("share_limit", |r| r.share_limit),
+        Column::number("share_profile", |r| r.share_profile),
+        Column::number("share_clamp", |r| r.share_clamp),
+        Column::count("clamped_steps", |r| r.clamped_steps),
+        Column::number("lead_limited", |r| r.lead_limited),
+        Column::number("curvature_limited", |r| r.curvature_limited),
+        Column::number("odometer_gap", |r| r.odometer_gap),
+        Column::count("collisions", |r| r.collisions),
+        Column::text("reason", |r| Some(r.reason.as_str())),
+        Column::flag("complete", |r| r.reason == Reason::Arrived),
     ],
 };
 
@@ -221,20 +205,20 @@ pub static TRACE: Layout<TraceRow> = Layout {
     row: "vehicle",
     by_time: true,
     columns: &[
-        number("time", |r| Some(r.time)),
-        text("id", |r| Some(&r.id)),
-        number("target", |r| Some(r.target)),
-        number("reference", |r| Some(r.reference)),
-        number("speed", |r| Some(r.speed)),
-        number("measured_speed", |r| Some(r.measured_speed)),
-        number("lateral_speed", |r| Some(r.lateral_speed)),
-        number("yaw_rate", |r| Some(r.yaw_rate)),
-        number("slip_front", |r| Some(r.slip_front)),
-        number("slip_rear", |r| Some(r.slip_rear)),
-        number("torque", |r| Some(r.torque)),
-        number("alpha_hat", |r| Some(r.alpha_hat)),
-        number("f_hat", |r| Some(r.f_hat)),
-        number("distance", |r| Some(r.distance)),
+        Column::number("time", |r| Some(r.time)),
+        Column::text("id", |r| Some(&r.id)),
+        Column::number("target", |r| Some(r.target)),
+        Column::number("reference", |r| Some(r.reference)),
+        Column::number("speed", |r| Some(r.speed)),
+        Column::number("measured_speed", |r| Some(r.measured_speed)),
+        Column::number("lateral_speed", |r| Some(r.lateral_speed)),
+        Column::number("yaw_rate", |r| Some(r.yaw_rate)),
+        Column::number("slip_front", |r| Some(r.slip_front)),
+        Column::number("slip_rear", |r| Some(r.slip_rear)),
+        Column::number("torque", |r| Some(r.torque)),
+        Column::number("alpha_hat", |r| Some(r.alpha_hat)),
+        Column::number("f_hat", |r| Some(r.f_hat)),
+        Column::number("distance", |r| Some(r.distance)),
     ],
 };
 
@@ -244,12 +228,12 @@ pub static SAMPLE: Layout<SampleRow> = Layout {
     row: "vehicle",
     by_time: true,
     columns: &[
-        number("time", |r| Some(r.time)),
-        text("id", |r| Some(&r.id)),
-        number("speed", |r| Some(r.speed)),
-        number("target", |r| Some(r.target)),
-        number("distance", |r| Some(r.distance)),
-        number("torque", |r| Some(r.torque)),
+        Column::number("time", |r| Some(r.time)),
+        Column::text("id", |r| Some(&r.id)),
+        Column::number("speed", |r| Some(r.speed)),
+        Column::number("target", |r| Some(r.target)),
+        Column::number("distance", |r| Some(r.distance)),
+        Column::number("torque", |r| Some(r.torque)),
     ],
 };
 
@@ -259,11 +243,11 @@ pub static EDGES: Layout<EdgeRow> = Layout {
     row: "edge",
     by_time: false,
     columns: &[
-        text("edge", |r| Some(&r.edge)),
-        count("samples", |r| r.samples),
-        number("error_mean", |r| r.error_mean),
-        number("error_rms", |r| r.error_rms),
-        number("speed_mean", |r| r.speed_mean),
+        Column::text("edge", |r| Some(&r.edge)),
+        Column::count("samples", |r| r.samples),
+        Column::number("error_mean", |r| r.error_mean),
+        Column::number("error_rms", |r| r.error_rms),
+        Column::number("speed_mean", |r| r.speed_mean),
     ],
 };
 

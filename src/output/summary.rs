@@ -64,7 +64,7 @@ impl Summary {
         }
         let columns = VEHICLES.columns.iter().filter(|c| !TIMES.contains(&c.name));
         let fleet = columns
-            .filter_map(|c| Some((c.name.to_owned(), Spread::of(rows.iter().filter_map(|r| c.number(r)))?)))
+            .filter_map(|c| Some((c.name.to_owned(), Spread::of(rows.iter().filter_map(|r| c.value(r)))?)))
             .collect();
         let real_time_factor = (wall_s > 0.0).then(|| simulated_s / wall_s);
         Self { schema: 1, counts, sumo, fleet, wall_s, real_time_factor }

@@ -26,6 +26,26 @@ pub struct Column<R> {
 }
 
 impl<R> Column<R> {
+    /// A column of texts.
+    pub const fn text(name: &'static str, read: fn(&R) -> Option<&str>) -> Self {
+        Self { name, read: Read::Text(read) }
+    }
+
+    /// A column of numbers.
+    pub const fn number(name: &'static str, read: fn(&R) -> Option<f64>) -> Self {
+        Self { name, read: Read::Number(read) }
+    }
+
+    /// A column of counts.
+    pub const fn count(name: &'static str, read: fn(&R) -> u64) -> Self {
+        Self { name, read: Read::Count(read) }
+    }
+
+    /// A column of `true` and `false`.
+    pub const fn flag(name: &'static str, read: fn(&R) -> bool) -> Self {
+        Self { name, read: Read::Flag(read) }
+    }
+
     /// The value in `row`.
     pub fn cell<'a>(&self, row: &'a R) -> Cell<'a> {
         match self.read {
@@ -37,7 +57,7 @@ impl<R> Column<R> {
     }
 
     /// The value in `row` as a number, if it is one.
-    pub fn number(&self, row: &R) -> Option<f64> {
+    pub fn value(&self, row: &R) -> Option<f64> {
         match self.cell(row) {
             Cell::Number(value) => value,
             Cell::Count(value) => Some(value as f64),

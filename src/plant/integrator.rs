@@ -18,7 +18,7 @@ use super::trig::{Trig, choose};
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 
 /// Below this speed a braked vehicle that moves no other way is held at exact rest [m/s].
-pub const HOLD_MPS: f64 = 0.01;
+pub const HOLD_MPS: f64 = 0.001;
 
 /// Fastest sideways speed [m/s] and yaw rate [rad/s] that count as not moving any other way.
 const HOLD_SIDEWAYS: f64 = 0.1;
@@ -58,6 +58,13 @@ pub fn substep<T: Trig>(car: &Car, drive: &Drive, now: &Moment, h: f64) -> Momen
     for i in 0..7 {
         next[i] = x[i] + h * (k[i] + d[i]);
     }
+    finish(car, drive, now, next, h)
+}
+
+/// Lets brakes stop what they have turned round, and closes the books of a step of `h` seconds to `next`.
+#[inline(always)]
+pub fn finish(car: &Car, drive: &Drive, now: &Moment, mut next: Vector, h: f64) -> Moment {
+    let x = &now.x;
     for wheel in 0..4 {
         let stops = (drive.brake[wheel / 2] > 0.0) & (next[3 + wheel] * x[3 + wheel] < 0.0);
         next[3 + wheel] = choose(stops, 0.0, next[3 + wheel]);
@@ -73,13 +80,13 @@ pub fn substep<T: Trig>(car: &Car, drive: &Drive, now: &Moment, h: f64) -> Momen
 /// Torques C_mi − C_fi of the wheels, and whether they turn. A brake acts against the wheel's turning; a wheel at rest
 /// is held as long as the brake outweighs motor and tyre, and otherwise starts against the brake.
 #[inline(always)]
-fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> ([f64; 4], [f64; 4]) {
+pub fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> ([f64; 4], [f64; 4]) {
     let (mut torque, mut free) = ([0.0; 4], [0.0; 4]);
     for wheel in 0..4 {
         let (motor, brake, speed) = (drive.motor[wheel / 2], drive.brake[wheel / 2], x[3 + wheel]);
         let pull = motor - car.radius * forces.along[wheel].force;
         let direction = choose(speed == 0.0, pull, speed);
-        let held = (speed == 0.0) & (pull.abs() <= brake);
+        let held = (brake > 0.0) & (speed == 0.0) & (pull.abs() <= brake);
         torque[wheel] = motor - brake.copysign(direction);
         free[wheel] = choose(held, 0.0, 1.0);
     }

@@ -73,9 +73,9 @@ pub(super) const KEYS: &[Key] = &[
 /// What a profile is a function of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
-    /// Driven distance [m].
+    /// Driven distance (m).
     Position,
-    /// Time since the vehicle's start [s].
+    /// Time since the vehicle's start (s).
     Time,
 }
 
@@ -163,7 +163,7 @@ impl Profile {
         Ok(Self { by, shape: Shape::Lines(points), track })
     }
 
-    /// Steps: `speeds_mps[i]` holds from `at[i]` ([m] or [s]) on, the first one before it as well.
+    /// Steps: `speeds_mps[i]` holds from `at[i]` (m or s) on, the first one before it as well.
     ///
     /// # Errors
     /// [`ReferenceError::Value`] unless there are as many places as speeds, places increase and speeds are positive (over
@@ -182,7 +182,7 @@ impl Profile {
         Ok(Self { by, shape: Shape::Steps(points), track: None })
     }
 
-    /// A sine around `mean_mps` that starts at the mean, with a wavelength [m] or period [s] of `length`.
+    /// A sine around `mean_mps` that starts at the mean, with a wavelength (m) or period (s) of `length`.
     ///
     /// # Errors
     /// [`ReferenceError::Value`] if the speed would turn negative or, over position, 0, or if `length` is not positive.
@@ -227,7 +227,7 @@ impl Profile {
         self.by == Axis::Time
     }
 
-    /// Where the profile ends: driven distance [m], or time [s] if [`Profile::is_by_time`]. None for a sine, which goes on,
+    /// Where the profile ends: driven distance (m), or time (s) if [`Profile::is_by_time`]. None for a sine, which goes on,
     /// and for steps, the last of which holds.
     pub fn length(&self) -> Option<f64> {
         match &self.shape {

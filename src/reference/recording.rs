@@ -8,9 +8,9 @@ use std::path::Path;
 
 /// Below this speed a recording is taken to stand [m/s].
 const STANDING_MPS: f64 = 0.5;
-/// Recordings with longer sampling intervals are not smoothed [s].
+/// Recordings with longer sampling intervals are not smoothed (s).
 const COARSE_S: f64 = 0.1;
-/// Length over which a track's curvature is taken [m].
+/// Length over which a track's curvature is taken (m).
 const CURVATURE_BASE_M: f64 = 3.0;
 
 /// How to treat a file.
@@ -19,7 +19,7 @@ pub struct RecordingOptions {
     /// Over position or time; None: files with a position by position, plain speeds over time by time, recordings with stops
     /// (below 0.5 m/s) by time and others by position.
     pub by: Option<Axis>,
-    /// Length of the moving average over V_x and V_y of a recording [s]; 0 = off. Never used on samples coarser than 10 Hz.
+    /// Length of the moving average over V_x and V_y of a recording (s); 0 = off. Never used on samples coarser than 10 Hz.
     pub smooth_s: f64,
     /// What a speed of 1 is in m/s where the column does not name its unit.
     pub speed_unit_mps: f64,
@@ -39,13 +39,13 @@ impl Default for RecordingOptions {
 /// One entry per sample in each column; it starts at the origin, heading along x.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Track {
-    /// Driven distance [m].
+    /// Driven distance (m).
     pub s_m: Vec<f64>,
-    /// Position [m].
+    /// Position (m).
     pub x_m: Vec<f64>,
-    /// Position, left positive [m].
+    /// Position, left positive (m).
     pub y_m: Vec<f64>,
-    /// Heading ψ, left positive [rad].
+    /// Heading ψ, left positive (rad).
     pub heading_rad: Vec<f64>,
     /// Change of heading per driven metre, over 3 m [1/m].
     pub curvature_per_m: Vec<f64>,

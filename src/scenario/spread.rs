@@ -124,6 +124,14 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// The largest value that a vehicle can get.
+    pub fn largest(&self) -> f64 {
+        match self {
+            Self::Fixed(value) => *value,
+            Self::Drawn(Distribution::Normal { max, .. } | Distribution::Uniform { max, .. }) => *max,
+        }
+    }
+
     /// The value for the vehicle `id` in a run with `seed`.
     pub fn of(&self, seed: u64, key: &str, id: &str) -> f64 {
         match self {

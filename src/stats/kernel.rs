@@ -10,7 +10,8 @@ use multiversion::multiversion;
 pub(super) struct Window {
     /// Control periods of one window.
     periods: f64,
-    length_s: f64,
+    /// 1 / its length.
+    rate_hz: f64,
     /// Control periods since the present window began.
     elapsed: Lanes,
     start_mps: Lanes,
@@ -32,7 +33,7 @@ impl Window {
         let periods = (WINDOW_S / period_s).round().max(1.0);
         Self {
             periods,
-            length_s: periods * period_s,
+            rate_hz: 1.0 / (periods * period_s),
             elapsed: ZERO,
             start_mps: ZERO,
             previous_mps2: ZERO,
@@ -64,8 +65,8 @@ impl Window {
         for i in 0..LANES {
             let elapsed = self.elapsed[i] + if active[i] > 0.0 { 1.0 } else { 0.0 };
             let closes = (active[i] > 0.0) & (elapsed >= self.periods);
-            let accel = (speed_mps[i] - self.start_mps[i]) / self.length_s;
-            let jerk = (accel - self.previous_mps2[i]) / self.length_s;
+            let accel = (speed_mps[i] - self.start_mps[i]) * self.rate_hz;
+            let jerk = (accel - self.previous_mps2[i]) * self.rate_hz;
             let pairs = closes & (self.has_previous[i] > 0.0);
             self.jerk_squared[i] += if pairs { jerk * jerk } else { 0.0 };
             self.jerks[i] += if pairs { 1.0 } else { 0.0 };

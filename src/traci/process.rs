@@ -175,14 +175,14 @@ struct SpawnOptions {
 
 impl SumoProcess {
     /// Starts SUMO with `args` (configuration, options) as a TraCI server on `port`, or on a free port for `None`. What it
-    /// prints goes to `sumo.log` in `log_dir`, so that it can never block on a full pipe.
+    /// prints goes to `console.log` in `log_dir`, so that it can never block on a full pipe.
     ///
     /// SUMO listens on all interfaces without asking who connects; that cannot be changed, only firewalled.
     ///
     /// # Errors
     /// [`Error::PortInUse`] for a given port, [`Error::Start`].
     pub fn spawn(binary: &SumoBinary, args: &[String], port: Option<u16>, log_dir: &Path) -> Result<Self, Error> {
-        let log = log_dir.join("sumo.log");
+        let log = log_dir.join("console.log");
         let (port, fixed) = match port {
             Some(port) => {
                 TcpListener::bind((Ipv4Addr::UNSPECIFIED, port)).map_err(|_| Error::PortInUse { port })?;

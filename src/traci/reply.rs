@@ -3,11 +3,11 @@
 //! When a frame arrives its outer structure is checked in one quick pass (statuses in order, lengths that add up, no
 //! byte left over); values are decoded when asked for, without copies.
 
-use super::batch::{Answer, Expected, Handle};
+use super::batch::{Answer, Batch, Expected, Handle};
 use super::error::Error;
 use super::typed::{Domain, FromValue, Var};
 use super::value::{Value, known};
-use super::wire::{DecodeError, Reader, layout, tag};
+use super::wire::{DecodeError, Reader, frame_length, layout, tag};
 
 /// SUMO declined a command. The connection is well, the other commands of the batch were carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,9 +25,9 @@ pub(super) struct Mark {
     answer: u32,
 }
 
-/// What the first pass found.
+/// Where the answers lie in a frame: what the first pass finds. Reusable; keeps its memory.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Index {
+pub struct Index {
     marks: Vec<Mark>,
     refusals: usize,
     blocks: usize,
@@ -40,7 +40,18 @@ fn offset(at: usize) -> u32 {
 }
 
 impl Index {
-    /// Matches a complete frame with the commands it answers.
+    /// Matches a complete frame (length included, see [`super::wire::frame_length`]) with the batch it answers.
+    ///
+    /// # Errors
+    /// If the statuses are not those of the batch, a length does not add up, or bytes are left over.
+    pub fn read<'a>(&'a mut self, frame: &'a [u8], batch: &Batch) -> Result<Reply<'a>, DecodeError> {
+        if frame_length(frame)? != Some(frame.len()) {
+            return Err(DecodeError { offset: 0, what: "frame length differs from the bytes there" });
+        }
+        self.fill(frame, batch.expected())?;
+        Ok(self.reply(frame))
+    }
+
     pub(super) fn fill(&mut self, frame: &[u8], expected: &[Expected]) -> Result<(), DecodeError> {
         self.marks.clear();
         (self.refusals, self.blocks, self.blocks_at) = (0, 0, 0);
@@ -147,6 +158,12 @@ impl<'a> Reply<'a> {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.index.marks.is_empty()
+    }
+
+    /// The bytes of the whole answer, length included.
+    #[must_use]
+    pub fn frame(&self) -> &'a [u8] {
+        self.frame
     }
 
     fn mark(&self, command: usize) -> Mark {

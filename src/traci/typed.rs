@@ -270,6 +270,25 @@ impl Shape for OnRoad {
     }
 }
 
+/// How a distance is measured. On the wire it is, unlike all other parameters, a byte without a type.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Distance {
+    /// As the crow flies.
+    Air = 0x00,
+    /// Along the roads.
+    Driving = 0x01,
+}
+
+impl Shape for Distance {
+    type Arg<'a> = Distance;
+
+    fn put(value: Distance, out: &mut Vec<u8>) -> Result<(), BatchError> {
+        out.push(value as u8);
+        Ok(())
+    }
+}
+
 /// A plane position x, y [m] as a type of the table.
 impl Shape for [f64; 2] {
     type Arg<'a> = [f64; 2];

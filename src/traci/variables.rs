@@ -1,14 +1,14 @@
 //! The table of variables. Adding one is adding a row.
 //!
 //! A row reads: name = identifier, `get` what a get brings, `with` the parameter of the get, `set` what a set takes,
-//! `as` another identifier for the set, `since` the minor release of SUMO 1 that has it (default 15), one line of doc.
+//! `as` another identifier for the set, `newer true` if SUMO 1.15 lacks it, one line of doc.
 
 use super::compound::{
     AddVehicle, BestLane, Collision, ControlledLinks, JunctionFoe, Leader, Link, Logic, Neighbour, NextStop,
     NextTrafficLight, Stage, StopData,
 };
 use super::error::Error;
-use super::typed::{Domain, FromValue, Nothing, OnRoad, Var};
+use super::typed::{Distance, Domain, FromValue, Nothing, OnRoad, Var};
 use super::value::{Color, Value};
 
 /// A row of the table as data.
@@ -26,8 +26,8 @@ pub struct Row {
     pub parameter: Option<&'static str>,
     /// What a set takes, as a type; `None` if the variable cannot be set.
     pub set: Option<&'static str>,
-    /// Minor release of SUMO 1 that first has it, 15 for older ones.
-    pub since: u32,
+    /// True if 1.15, the oldest supported SUMO, lacks it; an old SUMO declines it.
+    pub newer: bool,
     /// One line about it, with the unit.
     pub doc: &'static str,
 }
@@ -66,7 +66,7 @@ macro_rules! number {
 macro_rules! table {
     ($($(#[$about:meta])* $module:ident: $domain:ident {
         $($name:ident = $id:literal $(, get $get:ty)? $(, with $with:ty)? $(, set $set:ty)? $(, as $set_id:literal)?
-        $(, since $since:literal)?; $doc:literal)*
+        $(, newer $newer:literal)?; $doc:literal)*
     })*) => {
         $($(#[$about])* pub mod $module {
             use super::*;
@@ -86,7 +86,7 @@ macro_rules! table {
             probe: option!($(probe::<$get>)?),
             parameter: option!($(stringify!($with))?),
             set: option!($(stringify!($set))?),
-            since: number!(15 $($since)?),
+            newer: number!(false $($newer)?),
             doc: $doc,
         },)*)*];
     };
@@ -129,20 +129,20 @@ table! {
         BOUNDING_BOX = 0x7c, get Shape; "Lower left and upper right corner of the network [m]."
         SCALE = 0x8e, get f64, set f64; "Factor on the demand."
         PENDING = 0x94, get Texts; "Ids of the vehicles waiting to be inserted."
-        OPTION = 0x32, get String, since 18; "The value of the SUMO option given as object id."
+        OPTION = 0x32, get String; "The value of the SUMO option given as object id."
         PARAMETER = 0x7e, get String, with String, set (String, String); "A generic parameter by its key."
-        DISTANCE = 0x83, get f64, with (OnRoad, OnRoad, u8); "Distance of two places [m]; last item 0 = air, 1 = driving."
+        DISTANCE = 0x83, get f64, with (OnRoad, OnRoad, Distance); "Distance of two places [m]."
         TO_PLANE = 0x82, get [f64; 2], with (OnRoad, u8); "A place on a road as x, y [m]; the last item is 1."
-        FIND_ROUTE = 0x86, get Stage, with (String, String, String, f64, i32, f64, f64); "Route: from, to, type, depart [s], routing mode, positions [m]."
+        FIND_ROUTE = 0x86, get Stage, with (String, String, String, f64, i32); "Fastest route: from edge, to edge, type, departure [s], routing mode."
         CLEAR_PENDING = 0x94, set String; "Discards vehicles not yet inserted, of one route or (\"\") of all."
-        MESSAGE = 0x65, set String, since 20; "Writes a message into SUMO's log."
+        MESSAGE = 0x65, set String, newer true; "Writes a message into SUMO's log."
     }
     /// Vehicles.
     vehicle: Vehicle {
         IDS = 0x00, get Texts; "Ids of all vehicles on the road (object id \"\")."
         COUNT = 0x01, get i32; "Number of vehicles on the road (object id \"\")."
-        LOADED = 0x24, get Texts, since 18; "Ids of all vehicles loaded, also those not departed (object id \"\")."
-        TELEPORTING = 0x25, get Texts, since 18; "Ids of the vehicles teleporting (object id \"\")."
+        LOADED = 0x24, get Texts, newer true; "Ids of all vehicles loaded, also those not departed (object id \"\")."
+        TELEPORTING = 0x25, get Texts, newer true; "Ids of the vehicles teleporting (object id \"\")."
         SPEED = 0x40, get f64, set f64; "Speed of the last step [m/s]; set: drive so from now on, negative releases."
         PREVIOUS_SPEED = 0x3c, set (f64, f64); "Speed [m/s] and acceleration [m/s²] from which SUMO plans the next step."
         SPEED_WITHOUT_TRACI = 0xb1, get f64; "Speed without the last override [m/s]; bounded by a `setSpeed`, so no target."
@@ -164,7 +164,7 @@ table! {
         LANE_POSITION = 0x56, get f64; "Front on the lane [m], along its length in space."
         LATERAL_POSITION = 0xb8, get f64, set f64; "Offset from the middle of the lane [m], left positive; set: shift by so much."
         DISTANCE = 0x84, get f64; "Distance driven since departure [m]."
-        DRIVING_DISTANCE = 0x83, get f64, with (OnRoad, u8); "Distance along the route to a place [m]; the last item is 1."
+        DRIVING_DISTANCE = 0x83, get f64, with (OnRoad, Distance); "Distance along the route to a place [m]."
         TYPE = 0x4f, get String, set String; "Vehicle type."
         CLASS = 0x49, get String, set String; "Vehicle class, such as passenger or bus."
         SHAPE_CLASS = 0x4b, get String, set String; "Shape for drawing."
@@ -173,7 +173,7 @@ table! {
         LENGTH = 0x44, get f64, set f64; "Length [m]."
         WIDTH = 0x4d, get f64, set f64; "Width [m]."
         HEIGHT = 0xbc, get f64, set f64; "Height [m]."
-        MASS = 0xc8, get f64, set f64, since 21; "Mass [kg]."
+        MASS = 0xc8, get f64, set f64, newer true; "Mass [kg]."
         MIN_GAP = 0x4c, get f64, set f64; "Gap to the leader at standstill [m]."
         LATERAL_MIN_GAP = 0xbb, get f64, set f64; "Lateral gap at 50 km/h [m] (sublane model)."
         MAX_LATERAL_SPEED = 0xba, get f64, set f64; "Top lateral speed [m/s] (sublane model)."
@@ -186,8 +186,8 @@ table! {
         TAU = 0x48, get f64, set f64; "Desired time headway [s]."
         ACTION_STEP_LENGTH = 0x7d, get f64, set f64; "Time between decisions [s]."
         LAST_ACTION_TIME = 0x7f, get f64; "Time of the last decision [s]."
-        DEPARTURE = 0x3a, get f64, since 16; "Time of departure [s]."
-        DEPART_DELAY = 0x3b, get f64, since 16; "Time waited for insertion [s]."
+        DEPARTURE = 0x3a, get f64, newer true; "Time of departure [s]."
+        DEPART_DELAY = 0x3b, get f64, newer true; "Time waited for insertion [s]."
         ROUTE_ID = 0x53, get String, set String; "Route."
         ROUTE_INDEX = 0x69, get i32; "Place of the present edge in the route."
         ROUTE = 0x54, get Texts, set Texts, as 0x57; "Edges of the route; set: begins with the present edge."
@@ -211,8 +211,8 @@ table! {
         FOLLOWER = 0x78, get Option<Leader>, with f64; "Vehicle behind within a distance [m], 0 = its brake gap."
         NEIGHBORS = 0xbf, get Vec<Neighbour>, with u8; "Vehicles on the neighbouring lanes; bits: 1 right, 2 ahead, 4 only blocking."
         NEXT_LIGHTS = 0x70, get Vec<NextTrafficLight>; "Traffic lights ahead."
-        NEXT_LINKS = 0x33, get Vec<Link>, since 18; "Connections ahead on the route."
-        FOES = 0x37, get Vec<JunctionFoe>, with f64; "Vehicles in the way at junctions within a distance [m]."
+        NEXT_LINKS = 0x33, get Vec<Link>, newer true; "Connections ahead on the route."
+        FOES = 0x37, get Vec<JunctionFoe>, with f64, newer true; "Vehicles in the way at junctions within a distance [m]."
         BEST_LANES = 0xb2, get Vec<BestLane>; "How good the lanes of the present edge are for the route."
         FOLLOW_SPEED = 0x1c, get f64, with (f64, f64, f64, f64, String); "Safe speed [m/s]: speed, gap, leader's speed, decel, id."
         STOP_SPEED = 0x1d, get f64, with (f64, f64); "Speed to stop within a gap [m/s]: speed, gap."
@@ -241,7 +241,7 @@ table! {
         LENGTH = 0x44, get f64, set f64; "Length [m]."
         WIDTH = 0x4d, get f64, set f64; "Width [m]."
         HEIGHT = 0xbc, get f64, set f64; "Height [m]."
-        MASS = 0xc8, get f64, set f64, since 21; "Mass [kg]."
+        MASS = 0xc8, get f64, set f64, newer true; "Mass [kg]."
         MAX_SPEED = 0x41, get f64, set f64; "Top speed [m/s]."
         SPEED_FACTOR = 0x5e, get f64, set f64; "Mean factor on lane limits."
         SPEED_DEVIATION = 0x5f, get f64, set f64; "Standard deviation of the speed factor."
@@ -250,7 +250,7 @@ table! {
         EMERGENCY_DECEL = 0x7b, get f64, set f64; "Hardest deceleration [m/s²], positive."
         APPARENT_DECEL = 0x7c, get f64, set f64; "Deceleration that others expect [m/s²], positive."
         IMPERFECTION = 0x5d, get f64, set f64; "Driver imperfection sigma, 0 to 1."
-        IMPATIENCE = 0x26, get f64, set f64, since 16; "Impatience, 0 to 1."
+        IMPATIENCE = 0x26, get f64, set f64, newer true; "Impatience, 0 to 1."
         TAU = 0x48, get f64, set f64; "Desired time headway [s]."
         MIN_GAP = 0x4c, get f64, set f64; "Gap to the leader at standstill [m]."
         LATERAL_MIN_GAP = 0xbb, get f64, set f64; "Lateral gap at 50 km/h [m]."
@@ -272,7 +272,7 @@ table! {
         COUNT = 0x01, get i32; "Number of routes (object id \"\")."
         EDGES = 0x54, get Texts; "Edges."
         ADD = 0x80, set Texts; "Adds a route of these edges under this id."
-        REMOVE = 0x81, set Nothing, since 16; "Removes an unused route."
+        REMOVE = 0x81, set Nothing, newer true; "Removes an unused route."
         PARAMETER = 0x7e, get String, with String, set (String, String); "Generic parameter by its key."
     }
     /// Edges.
@@ -295,9 +295,9 @@ table! {
         EFFORT = 0x59, get f64, with f64; "Effort that rerouting assumes at a time [s], negative if none is set."
         ADAPT_TRAVEL_TIME = 0x58, set (f64,); "Travel time for rerouting [s]."
         ADAPT_EFFORT = 0x59, set (f64,); "Effort for rerouting."
-        ANGLE = 0x43, get f64, with f64, since 19; "Heading at a place [°]; place from the start [m], or the sentinel for the whole."
-        FROM_JUNCTION = 0x7b, get String, since 19; "Junction at its start."
-        TO_JUNCTION = 0x7c, get String, since 19; "Junction at its end."
+        ANGLE = 0x43, get f64, with f64, newer true; "Heading at a place [°]; place from the start [m], or the sentinel for the whole."
+        FROM_JUNCTION = 0x7b, get String, newer true; "Junction at its start."
+        TO_JUNCTION = 0x7c, get String, newer true; "Junction at its end."
         CO2 = 0x60, get f64; "CO2 of the last step [mg/s]."
         CO = 0x61, get f64; "CO of the last step [mg/s]."
         HC = 0x62, get f64; "Hydrocarbons of the last step [mg/s]."
@@ -334,7 +334,7 @@ table! {
         PENDING = 0x94, get Texts; "Ids of the vehicles waiting to be inserted on it."
         WAITING_TIME = 0x7a, get f64; "Sum of the waiting times of its vehicles [s]."
         CURRENT_TRAVEL_TIME = 0x5a, get f64; "Travel time at the present mean speed [s]."
-        ANGLE = 0x43, get f64, with f64, since 19; "Heading at a place [°]; place from the start [m]."
+        ANGLE = 0x43, get f64, with f64, newer true; "Heading at a place [°]; place from the start [m]."
         CO2 = 0x60, get f64; "CO2 of the last step [mg/s]."
         CO = 0x61, get f64; "CO of the last step [mg/s]."
         HC = 0x62, get f64; "Hydrocarbons of the last step [mg/s]."
@@ -350,10 +350,10 @@ table! {
         IDS = 0x00, get Texts; "Ids of all junctions (object id \"\")."
         COUNT = 0x01, get i32; "Number of junctions (object id \"\")."
         POSITION = 0x42, get [f64; 2]; "Place x, y [m]."
-        POSITION_3D = 0x39, get [f64; 3], since 16; "Place x, y, z [m]."
+        POSITION_3D = 0x39, get [f64; 3]; "Place x, y, z [m]."
         SHAPE = 0x4e, get Shape; "Outline x, y [m]."
-        INCOMING = 0x7b, get Texts, since 19; "Edges that lead to it."
-        OUTGOING = 0x7c, get Texts, since 19; "Edges that leave it."
+        INCOMING = 0x7b, get Texts, newer true; "Edges that lead to it."
+        OUTGOING = 0x7c, get Texts, newer true; "Edges that leave it."
         PARAMETER = 0x7e, get String, with String, set (String, String); "Generic parameter by its key."
     }
     /// Traffic lights.
@@ -366,7 +366,7 @@ table! {
         PHASE_NAME = 0x1b, get String, set String; "Name of the phase."
         PHASE_DURATION = 0x24, get f64, set f64; "Length of the phase [s]; set: what is left of it."
         NEXT_SWITCH = 0x2d, get f64; "Time of the next change of phase [s]."
-        SPENT_DURATION = 0x38, get f64, since 16; "Time already spent in the phase [s]."
+        SPENT_DURATION = 0x38, get f64, newer true; "Time already spent in the phase [s]."
         CONTROLLED_LANES = 0x26, get Texts; "Incoming lane of each signal."
         CONTROLLED_LINKS = 0x27, get ControlledLinks; "Links of each signal."
         PROGRAMS = 0x2b, get Vec<Logic>; "All its programs."

@@ -64,3 +64,15 @@ fn what_sumo_does_not_write_is_an_error_with_its_place() {
     assert!(SumoStatistics::read(&path).unwrap_err().to_string().contains("is missing"));
     assert!(Trips::read(Path::new("/nowhere/t.xml")).unwrap_err().to_string().contains("/nowhere/t.xml"));
 }
+
+#[test]
+fn a_vehicle_that_was_taken_out_did_not_arrive() {
+    // As SUMO 1.28 writes a vehicle that a TraCI client removed: it gives a time of arrival all the same.
+    let (_folder, path) = temporary(
+        "<tripinfos><tripinfo id=\"a\" depart=\"25244.00\" arrival=\"25261.00\" duration=\"17.00\" \
+         routeLength=\"91.17\" timeLoss=\"11.52\" vType=\"pkw\" vaporized=\"traci\"/></tripinfos>",
+    );
+    let trips = Trips::read(&path).unwrap();
+    assert_eq!((trips.by_id["a"].arrival_s, trips.by_id["a"].duration_s), (None, 17.0));
+    assert_eq!(trips.arrivals(), (0, None));
+}

@@ -1,0 +1,178 @@
+//! `sample.csv`: trajectories of at most [`SAMPLED`] vehicles, drawn evenly from all that ever depart.
+//!
+//! How many will depart is not known before the end. So every vehicle draws a number from the seed and its id, and those
+//! with the smallest numbers so far are followed (bottom-k sampling: Cohen and Kaplan 2007). Who is pushed out never
+//! comes back, and who is left at the end was followed from the departure on. Points go to an unnamed file meanwhile,
+//! so that memory does not grow with time; about k·(1 + ln(n/k)) of n vehicles pass through it.
+
+use super::{OutputError, SAMPLE, SampleRow, Table, file_error};
+use crate::random::Stream;
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Vehicles in `sample.csv`.
+pub const SAMPLED: usize = 200;
+
+/// Bytes of one point in the unnamed file: the vehicle's number and five doubles.
+const POINT: usize = 48;
+
+/// Follows a sample of the vehicles.
+#[derive(Debug)]
+pub struct Sampler {
+    seed: u64,
+    path: PathBuf,
+    limit: usize,
+    /// The followed vehicles by their draw; draws in [0, 1) are ordered as their bits are.
+    followed: BTreeMap<(u64, Arc<str>), u64>,
+    numbers: HashMap<Arc<str>, u64>,
+    next: u64,
+    points: BufWriter<File>,
+}
+
+impl Sampler {
+    /// A sample for the file at `path`, drawn with the run's seed.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if no file can be made in the folder of `path`.
+    pub fn create(path: &Path, seed: u64) -> Result<Self, OutputError> {
+        Self::with_limit(path, seed, SAMPLED)
+    }
+
+    fn with_limit(path: &Path, seed: u64, limit: usize) -> Result<Self, OutputError> {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let points = tempfile::tempfile_in(folder).map_err(file_error("create a file in", folder))?;
+        Ok(Self {
+            seed,
+            path: path.to_owned(),
+            limit,
+            followed: BTreeMap::new(),
+            numbers: HashMap::new(),
+            next: 0,
+            points: BufWriter::new(points),
+        })
+    }
+
+    /// A vehicle departed.
+    pub fn depart(&mut self, id: &Arc<str>) {
+        let draw = (Stream::new(self.seed, "sample", id).uniform().to_bits(), id.clone());
+        if self.followed.len() >= self.limit && self.followed.last_key_value().is_some_and(|(last, _)| draw > *last) {
+            return;
+        }
+        self.numbers.insert(id.clone(), self.next);
+        self.followed.insert(draw, self.next);
+        self.next += 1;
+        if self.followed.len() > self.limit
+            && let Some(((_, out), _)) = self.followed.pop_last()
+        {
+            self.numbers.remove(&out);
+        }
+    }
+
+    /// Whether a vehicle is followed at present.
+    pub fn follows(&self, id: &str) -> bool {
+        self.numbers.contains_key(id)
+    }
+
+    /// Takes the present point of a vehicle, if it is followed.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] naming the table, e.g. when the disk is full.
+    pub fn write(&mut self, row: &SampleRow) -> Result<(), OutputError> {
+        let Some(number) = self.numbers.get(&row.id) else { return Ok(()) };
+        let mut point = [0; POINT];
+        let values = [row.time, row.speed, row.target, row.distance, row.torque].map(f64::to_bits);
+        for (bytes, value) in point.chunks_exact_mut(8).zip([*number].into_iter().chain(values)) {
+            bytes.copy_from_slice(&value.to_le_bytes());
+        }
+        self.points.write_all(&point).map_err(file_error("write", &self.path))
+    }
+
+    /// Writes the table: the points of those who are left, in the order of time.
+    ///
+    /// # Errors
+    /// As [`Table::create`] and [`Table::write`].
+    pub fn finish(self) -> Result<PathBuf, OutputError> {
+        let Self { path, followed, points, .. } = self;
+        let ids: HashMap<u64, Arc<str>> = followed.into_iter().map(|((_, id), number)| (number, id)).collect();
+        let mut points = points.into_inner().map_err(|e| file_error("write", &path)(e.into_error()))?;
+        points.rewind().map_err(file_error("read", &path))?;
+        let mut table = Table::create(&path, &SAMPLE)?;
+        let (mut points, mut point) = (BufReader::new(points), [0; POINT]);
+        loop {
+            match points.read_exact(&mut point) {
+                Ok(()) => {}
+                Err(end) if end.kind() == std::io::ErrorKind::UnexpectedEof => return table.finish(),
+                Err(error) => return Err(file_error("read", &path)(error)),
+            }
+            let word = |i: usize| u64::from_le_bytes(std::array::from_fn(|k| point[8 * i + k]));
+            let Some(id) = ids.get(&word(0)) else { continue };
+            let [time, speed, target, distance, torque] = [1, 2, 3, 4, 5].map(|i| f64::from_bits(word(i)));
+            table.write(&SampleRow { time, id: id.clone(), speed, target, distance, torque })?;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Vehicle k departs at k seconds and drives for 20 s; returns the lines of the table.
+    fn run(seed: u64, vehicles: u32, limit: usize) -> Vec<String> {
+        let folder = tempfile::tempdir().unwrap();
+        let mut sampler = Sampler::with_limit(&folder.path().join("sample.csv"), seed, limit).unwrap();
+        let ids: Vec<Arc<str>> = (0..vehicles).map(|k| format!("veh{k}").into()).collect();
+        for time in 0..vehicles + 20 {
+            if let Some(id) = ids.get(time as usize) {
+                sampler.depart(id);
+            }
+            for k in time.saturating_sub(19)..=time.min(vehicles - 1) {
+                let (time, distance) = (f64::from(time), f64::from(time - k));
+                let id = ids[k as usize].clone();
+                sampler.write(&SampleRow { time, id, speed: 1.0, target: 1.0, distance, torque: -2.5 }).unwrap();
+            }
+        }
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "the points have no name");
+        let text = std::fs::read_to_string(sampler.finish().unwrap()).unwrap();
+        text.lines().map(str::to_owned).collect()
+    }
+
+    fn followed(lines: &[String]) -> BTreeMap<String, usize> {
+        let ids = lines[1..].iter().map(|line| line.split(',').nth(1).unwrap().to_owned());
+        ids.fold(BTreeMap::new(), |mut counts, id| {
+            *counts.entry(id).or_default() += 1;
+            counts
+        })
+    }
+
+    #[test]
+    fn law_whoever_is_in_the_sample_is_there_from_departure_to_arrival() {
+        let lines = run(42, 300, 10);
+        assert_eq!(lines[0], "time,id,speed,target,distance,torque");
+        let counts = followed(&lines);
+        assert_eq!(counts.len(), 10);
+        assert!(counts.values().all(|n| *n == 20), "{counts:?}");
+        let times: Vec<f64> = lines[1..].iter().map(|l| l.split(',').next().unwrap().parse().unwrap()).collect();
+        assert!(times.is_sorted());
+        assert!(lines[1].ends_with(",1,1,0,-2.5"), "{}", lines[1]);
+    }
+
+    #[test]
+    fn law_the_sample_comes_from_the_seed_and_from_the_whole_run() {
+        assert_eq!(run(42, 300, 10), run(42, 300, 10));
+        assert_ne!(followed(&run(42, 300, 10)), followed(&run(43, 300, 10)));
+        // Over 40 seeds each half of the departures holds about half of the 400 sampled vehicles (sd 10).
+        let late: usize = (0..40)
+            .flat_map(|seed| followed(&run(seed, 100, 10)).into_keys())
+            .filter(|id| id[3..].parse::<u32>().unwrap() >= 50)
+            .count();
+        assert!((160..=240).contains(&late), "{late} of 400");
+    }
+
+    #[test]
+    fn fewer_vehicles_than_places_are_all_followed() {
+        assert_eq!(followed(&run(1, 7, 10)).len(), 7);
+    }
+}

@@ -1,0 +1,337 @@
+//! One scenario -> one result: starts SUMO, lets the world step to its end, and writes all files of the result.
+//!
+//! Whatever ends a run early (SUMO died, the disk is full, Ctrl-C) leaves what was computed so far, marked incomplete.
+
+mod outcome;
+mod progress;
+mod setup;
+mod writers;
+
+use crate::cosim::state::State;
+use crate::cosim::{CosimError, World};
+use crate::output::{Input, Manifest, OutputError, ResultDir, Summary, VehicleRow};
+use crate::reference::ReferenceError;
+use crate::registry::UnknownName;
+use crate::scenario::{Scenario, ScenarioError, SumoCommand, sumo_arguments};
+use crate::traci::{self, Client, SumoProcess, find_named};
+use progress::Progress;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::{Duration, Instant};
+use writers::Writers;
+
+/// How long SUMO may take to load, and to answer one message.
+const PATIENCE: Duration = Duration::from_secs(600);
+/// A configuration without an end runs this long if nobody ever arrives [s].
+const ENDLESS_S: f64 = 3600.0;
+
+/// How a run is carried out; nothing here changes its result.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// Folder of the result.
+    pub out_dir: PathBuf,
+    /// Replace a finished result.
+    pub force: bool,
+    /// Threads for the fleet; `None` = all cores.
+    pub threads: Option<usize>,
+    /// Show a progress bar.
+    pub progress: bool,
+}
+
+/// A signal that ended a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Signal {
+    /// Ctrl-C.
+    Interrupt,
+    /// SIGTERM.
+    Terminate,
+}
+
+impl Signal {
+    /// The exit code of the program: 128 + the signal's number.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Interrupt => 130,
+            Self::Terminate => 143,
+        }
+    }
+}
+
+/// A result, also on disk.
+#[derive(Debug)]
+pub struct RunResult {
+    /// Its folder.
+    pub dir: PathBuf,
+    /// One row per ego that departed.
+    pub rows: Vec<VehicleRow>,
+    /// Summary of the fleet.
+    pub summary: Summary,
+    /// Files written, relative to the folder.
+    pub files: Vec<String>,
+    /// What the user should be told.
+    pub notes: Vec<String>,
+    /// Set if a signal ended the run early.
+    pub interrupted: Option<Signal>,
+}
+
+/// Why there is no whole result.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scenario.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The files.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// SUMO and the connection to it.
+    #[error(transparent)]
+    Traci(#[from] traci::Error),
+    /// The coupling.
+    #[error(transparent)]
+    Cosim(#[from] CosimError),
+    /// The profile.
+    #[error("[target]: {0}")]
+    Reference(#[from] ReferenceError),
+    /// A name that no registry has.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
+    /// A tyre curve.
+    #[error("vehicle.tyre_curve: {0}")]
+    Tyre(String),
+    /// The system refuses threads or sockets.
+    #[error("cannot start the run: {0}")]
+    System(String),
+    /// A run that broke off; what was computed is in the folder.
+    #[error("the run broke off at {time_s} s; what was computed until then is in {}, marked incomplete", .dir.display())]
+    Broken {
+        /// Simulation time [s].
+        time_s: f64,
+        /// The folder.
+        dir: PathBuf,
+        /// What happened.
+        source: Box<RunError>,
+    },
+}
+
+/// Runs a scenario to its end.
+///
+/// # Errors
+/// [`RunError`]; if SUMO or the disk fails on the way, [`RunError::Broken`] with what was computed left in the folder.
+pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunError> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.unwrap_or(0))
+        .build()
+        .map_err(|e| RunError::System(e.to_string()))?;
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(|e| RunError::System(e.to_string()))?;
+    let dir = ResultDir::create(&options.out_dir, options.force)?;
+    pool.install(|| runtime.block_on(Run::new(scenario, options, dir)?.carry_out()))
+}
+
+/// A run under way.
+struct Run<'a> {
+    scenario: &'a Scenario,
+    options: &'a RunOptions,
+    dir: ResultDir,
+    manifest: Manifest,
+    command: SumoCommand,
+    notes: Vec<String>,
+    signal: Arc<AtomicU8>,
+    begin_s: f64,
+    started: Instant,
+}
+
+impl<'a> Run<'a> {
+    fn new(scenario: &'a Scenario, options: &'a RunOptions, dir: ResultDir) -> Result<Self, RunError> {
+        dir.sumo()?;
+        let command = sumo_arguments(&scenario.sumo, dir.path())?;
+        let inputs = scenario.inputs.iter().map(|path| Input::of(path)).collect::<Result<_, _>>()?;
+        let mut manifest = Manifest::new(scenario.sumo.seed, scenario.to_toml(), inputs);
+        manifest.notes = scenario.notes.clone();
+        dir.write_manifest(&manifest)?;
+        let notes = Vec::new();
+        let signal = Arc::new(AtomicU8::new(0));
+        Ok(Self { scenario, options, dir, manifest, command, notes, signal, begin_s: 0.0, started: Instant::now() })
+    }
+
+    async fn carry_out(mut self) -> Result<RunResult, RunError> {
+        watch_signals(self.signal.clone()).map_err(|e| RunError::System(e.to_string()))?;
+        let (mut process, client) = match self.reach_sumo().await {
+            Ok(reached) => reached,
+            Err(error) => return Err(self.give_up(error)),
+        };
+        match self.drive(client, &mut process).await {
+            Ok((state, writers)) => {
+                if let Some(process) = process {
+                    process.shut_down().await?;
+                }
+                self.write(state, writers, None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Starts SUMO, or joins one that runs.
+    async fn reach_sumo(&mut self) -> Result<(Option<SumoProcess>, Client), RunError> {
+        let sumo = &self.scenario.sumo;
+        if let Some(address) = &sumo.connect {
+            let mut client = Client::connect(address.clone(), PATIENCE).await?;
+            client.set_order(1).await?;
+            return Ok((None, client));
+        }
+        let binary = find_named(None, if sumo.gui { "sumo-gui" } else { "sumo" })?;
+        let mut line = vec![binary.path.display().to_string()];
+        line.extend(self.command.arguments.iter().cloned());
+        self.manifest.sumo_command = line;
+        self.dir.write_manifest(&self.manifest)?;
+        let mut process = SumoProcess::spawn(&binary, &self.command.arguments, sumo.port, &self.dir.sumo()?)?;
+        let signal = self.signal.clone();
+        let mut client = tokio::select! {
+            client = process.connect(PATIENCE) => client?,
+            () = raised(&signal) => return Err(RunError::System("interrupted while SUMO was loading".into())),
+        };
+        if sumo.num_clients > 1 {
+            client.set_order(1).await?;
+        }
+        Ok((Some(process), client))
+    }
+
+    /// Steps to the end and hands the vehicles back. On an error the result is written as it is, marked incomplete.
+    async fn drive(
+        &mut self,
+        mut client: Client,
+        process: &mut Option<SumoProcess>,
+    ) -> Result<(State, Writers), RunError> {
+        self.manifest.sumo_version = Some(client.version().text.clone());
+        self.manifest.sumo_api = Some(client.version().api);
+        let end_s = match self.scenario.sumo.end_s {
+            Some(end_s) => Some(end_s),
+            None => Some(client.get(traci::simulation::END, "").await?).filter(|end| *end >= 0.0),
+        };
+        let setup = setup::world(self.scenario)?;
+        let mut world = World::join(client, setup).await?;
+        self.begin_s = world.state.time_s;
+        let mut writers = Writers::open(self.scenario, &self.dir, &world.state)?;
+        let progress = Progress::new(self.options.progress, self.begin_s, end_s);
+        let stepped = self.step_to(&mut world, &mut writers, end_s, &progress).await;
+        progress.close();
+        let closed = match stepped {
+            Ok(()) => world.hand_back().await.map_err(RunError::from),
+            Err(error) => Err(error),
+        };
+        match closed {
+            Ok(()) => Ok((world.close().await?, writers)),
+            Err(error) => {
+                let source = match (error, process) {
+                    (RunError::Cosim(CosimError::Traci(error)), Some(process)) => process.explain(error).await.into(),
+                    (error, _) => error,
+                };
+                let time_s = world.state.time_s;
+                let dir = self.dir.path().to_owned();
+                world.state.end_all(crate::output::Reason::Incomplete);
+                self.write(world.into_state(), writers, Some(source.to_string()))?;
+                Err(RunError::Broken { time_s, dir, source: Box::new(source) })
+            }
+        }
+    }
+
+    async fn step_to(
+        &mut self,
+        world: &mut World,
+        writers: &mut Writers,
+        end_s: Option<f64>,
+        progress: &Progress,
+    ) -> Result<(), RunError> {
+        let half_step_s = 0.5 * world.state.step_s;
+        loop {
+            let time_s = world.state.time_s;
+            if self.signal.load(Ordering::Relaxed) != 0 || end_s.is_some_and(|end_s| time_s > end_s - half_step_s) {
+                return Ok(());
+            }
+            // SUMO counts vehicles that are on the road or still to come; with none left there is nothing to wait for.
+            if world.state.expected == 0 && (end_s.is_none() || time_s > self.begin_s) {
+                return Ok(());
+            }
+            if end_s.is_none() && world.state.arrived == 0 && time_s - self.begin_s >= ENDLESS_S {
+                self.notes.push(format!(
+                    "the configuration has no end and no vehicle has arrived in {ENDLESS_S} s: stopped here; --end sets another end"
+                ));
+                return Ok(());
+            }
+            world.step().await?;
+            writers.step(&mut world.state)?;
+            progress.show(&world.state);
+        }
+    }
+
+    fn signal(&self) -> Option<Signal> {
+        match self.signal.load(Ordering::Relaxed) {
+            0 => None,
+            2 => Some(Signal::Interrupt),
+            _ => Some(Signal::Terminate),
+        }
+    }
+
+    /// Writes the result: tables, summary, manifest.
+    fn write(
+        &mut self,
+        state: State,
+        writers: Writers,
+        broken: Option<String>,
+    ) -> Result<RunResult, RunError> {
+        let interrupted = self.signal();
+        let reason = broken.or(interrupted.map(|s| format!("ended by a signal ({s:?})")));
+        self.notes.extend(outcome::notes(&state));
+        self.manifest.notes.extend(self.notes.iter().cloned());
+        let simulated_s = state.time_s - self.begin_s;
+        let own_sumo = self.scenario.sumo.connect.is_none().then_some(&self.command);
+        let mut outcome = outcome::Outcome::new(self.scenario, state, own_sumo, reason.is_some())?;
+        let wall_s = self.started.elapsed().as_secs_f64();
+        let summary = outcome.summary(simulated_s, wall_s);
+        writers.finish(&self.dir, self.scenario, &mut outcome)?;
+        self.dir.write_summary(&summary)?;
+        self.dir.finish(&mut self.manifest, reason)?;
+        Ok(RunResult {
+            dir: self.dir.path().to_owned(),
+            rows: outcome.rows,
+            summary,
+            files: self.manifest.files.clone(),
+            notes: self.notes.clone(),
+            interrupted,
+        })
+    }
+
+    /// Nothing was computed: the manifest says why.
+    fn give_up(&mut self, error: RunError) -> RunError {
+        // The error itself matters more than one in writing it down.
+        let _ = self.dir.finish(&mut self.manifest, Some(error.to_string()));
+        error
+    }
+}
+
+/// Notes the first SIGINT or SIGTERM by its number.
+fn watch_signals(raised: Arc<AtomicU8>) -> std::io::Result<()> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    tokio::spawn(async move {
+        let number = tokio::select! {
+            _ = interrupt.recv() => 2,
+            _ = terminate.recv() => 15,
+        };
+        raised.store(number, Ordering::Relaxed);
+    });
+    Ok(())
+}
+
+/// Waits for a signal.
+async fn raised(signal: &AtomicU8) {
+    while signal.load(Ordering::Relaxed) == 0 {
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}

@@ -1,0 +1,135 @@
+//! What a run comes to: SUMO's own outputs joined with the fleet's records.
+
+use super::RunError;
+use crate::cosim::state::{Finished, State};
+use crate::output::{EdgeTable, SumoStatistics, SumoTotals, Summary, TripInfo, Trips, VehicleRow};
+use crate::scenario::{Scenario, SumoCommand};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Rows and totals of a run.
+pub struct Outcome {
+    /// One row per ego that departed.
+    pub rows: Vec<VehicleRow>,
+    /// Errors by road.
+    pub edges: EdgeTable,
+    totals: SumoTotals,
+    counts: Vec<(&'static str, u64)>,
+}
+
+impl Outcome {
+    /// Joins the records with what the SUMO that we started has written. Of one that we joined, and of one that died,
+    /// only what the replies told is known.
+    pub fn new(
+        scenario: &Scenario,
+        mut state: State,
+        own_sumo: Option<&SumoCommand>,
+        broken: bool,
+    ) -> Result<Self, RunError> {
+        let read = own_sumo.map(|command| Ok::<_, RunError>((SumoStatistics::read(&command.statistics)?, Trips::read(&command.tripinfo)?)));
+        let (statistics, trips) = match read {
+            Some(Ok((statistics, trips))) => (Some(statistics), trips),
+            Some(Err(error)) if !broken => return Err(error),
+            _ => (None, Trips::default()),
+        };
+        let totals = match statistics {
+            Some(statistics) => SumoTotals::new(&statistics, &trips),
+            None => SumoTotals {
+                inserted: state.departed,
+                arrived: state.arrived,
+                time_loss_mean_s: None,
+                collisions: state.collision_pairs() as u64,
+                teleports: state.teleports,
+            },
+        };
+        let mut edges = EdgeTable::default();
+        for (road, sums) in state.roads.iter() {
+            edges.add(road, sums.samples, sums.error_mps, sums.error_squared, sums.speed_mps);
+        }
+        let counts = vec![
+            ("unequipped", state.unequipped),
+            ("other_classes", state.others.values().sum()),
+            ("refused", state.refused.len() as u64),
+        ];
+        let names = Names::new(scenario);
+        let mut types: HashMap<String, Arc<str>> = HashMap::new();
+        let time_s = state.time_s;
+        let rows = std::mem::take(&mut state.finished)
+            .into_iter()
+            .map(|record| {
+                let trip = trips.by_id.get(&record.id);
+                let kind = types.entry(record.type_id.clone()).or_insert_with_key(|t| Arc::from(t.as_str())).clone();
+                row(record, trip, kind, &names, time_s)
+            })
+            .collect();
+        Ok(Self { rows, edges, totals, counts })
+    }
+
+    /// The summary of a run of `simulated_s` seconds that took `wall_s` seconds.
+    pub fn summary(&self, simulated_s: f64, wall_s: f64) -> Summary {
+        let mut summary = Summary::new(&self.rows, self.totals, simulated_s, wall_s);
+        summary.counts.extend(self.counts.iter().map(|(name, count)| ((*name).to_owned(), *count)));
+        summary
+    }
+}
+
+/// Names of controller and target by group, shared by all rows.
+struct Names(Vec<[Arc<str>; 2]>);
+
+impl Names {
+    fn new(scenario: &Scenario) -> Self {
+        Self(scenario.groups.iter().map(|g| [Arc::from(g.controller.name), Arc::from(g.target.name)]).collect())
+    }
+}
+
+fn row(record: Finished, trip: Option<&TripInfo>, vehicle_type: Arc<str>, names: &Names, end_s: f64) -> VehicleRow {
+    let stats = record.stats;
+    let depart = trip.map_or(record.depart_s, |t| t.depart_s);
+    let arrival = trip.and_then(|t| t.arrival_s).or(record.arrival_s);
+    let [controller, target] = names.0[record.group].clone();
+    VehicleRow {
+        id: record.id,
+        vehicle_type,
+        controller,
+        target,
+        depart,
+        arrival,
+        duration: Some(arrival.unwrap_or(end_s) - depart),
+        timeloss: trip.map(|t| t.time_loss_s),
+        distance: Some(record.distance_m),
+        samples: stats.samples,
+        error_mean: stats.error_mean,
+        error_std: stats.error_std,
+        error_rms: stats.error_rms,
+        error_max_abs: stats.error_max_abs,
+        overshoot_max: stats.overshoot_max,
+        speed_gap_rms: stats.speed_gap_rms,
+        jerk_rms: stats.jerk_rms,
+        accel_max: stats.accel_max,
+        decel_max: stats.decel_max,
+        torque_rms: stats.torque_rms,
+        share_traffic: stats.share_traffic,
+        share_limit: stats.share_limit,
+        share_profile: stats.share_profile,
+        share_clamp: stats.share_clamp,
+        clamped_steps: stats.clamped_steps,
+        lead_limited: stats.lead_limited,
+        curvature_limited: stats.curvature_limited,
+        odometer_gap: record.odometer_gap_m,
+        collisions: u64::from(record.collisions),
+        reason: record.reason,
+    }
+}
+
+/// What the user should be told about the traffic.
+pub fn notes(state: &State) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !state.others.is_empty() {
+        let list: Vec<String> = state.others.iter().map(|(class, count)| format!("{count} {class}")).collect();
+        notes.push(format!("left to SUMO, for want of four wheels: {}", list.join(", ")));
+    }
+    if let Some((id, reason)) = state.refused.first() {
+        notes.push(format!("{} vehicles cannot be egos; the first, \"{id}\": {reason}", state.refused.len()));
+    }
+    notes
+}

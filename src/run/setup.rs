@@ -1,0 +1,46 @@
+//! From a scenario to what the world is made of: registries are asked, files of profiles and tyres are read.
+
+use super::RunError;
+use crate::control::CONTROLLERS;
+use crate::cosim::bodies::DEAD_TIME_MAX_S;
+use crate::cosim::{Fault, WorldSetup};
+use crate::fleet::{Clockwork, GroupSetup};
+use crate::plant::PLANTS;
+use crate::reference::TARGETS;
+use crate::registry::find;
+use crate::scenario::{Group, Scenario};
+use std::path::Path;
+
+/// The world of a scenario.
+pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
+    let plant = find("plant", PLANTS, scenario.plant.name)?;
+    let clockwork = Clockwork {
+        plant: (plant.build)(&scenario.plant.values),
+        period_s: scenario.control_period_s,
+        lead_mps: scenario.coupling.lead_mps,
+    };
+    let targets = scenario.groups.iter().map(|group| {
+        let entry = find("target", TARGETS, group.target.name)?;
+        Ok((entry.build)(&group.target.values, Path::new(""))?)
+    });
+    let blocks = scenario.groups.iter().map(|group| block(group, scenario.control_period_s));
+    Ok(WorldSetup {
+        targets: targets.collect::<Result<_, RunError>>()?,
+        blocks: blocks.collect::<Result<_, RunError>>()?,
+        groups: scenario.groups.clone(),
+        egos: scenario.egos.clone(),
+        clockwork,
+        seed: scenario.sumo.seed,
+        sigma: scenario.traffic.sigma,
+        fault: Fault::None,
+    })
+}
+
+fn block(group: &Group, period_s: f64) -> Result<GroupSetup, RunError> {
+    let entry = find("controller", CONTROLLERS, group.controller.name)?;
+    let values = group.controller.values.clone();
+    Ok(GroupSetup {
+        controller: Box::new(move || (entry.build)(&values, period_s)),
+        dead_time_max_s: DEAD_TIME_MAX_S.min(group.actuator.delay_s.largest()),
+    })
+}
