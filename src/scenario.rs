@@ -211,3 +211,6 @@ impl Scenario {
         self.groups.iter().position(|g| g.select.matches(ego, self.sumo.seed)).unwrap_or(last)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -69,7 +69,7 @@ impl Redirect {
 
     /// The file to load in place of an additional file: itself, or its rewritten copy if it names files to write.
     pub fn additional(&mut self, file: &Path) -> Result<PathBuf, ScenarioError> {
-        if file.extension().is_some_and(|e| e == "gz") || !names_outputs(file)? {
+        if is_compressed(file) || !names_outputs(file)? {
             return Ok(file.to_owned());
         }
         let text = self.rewritten(file, &read_text(file)?)?;
@@ -137,6 +137,11 @@ impl Redirect {
     }
 }
 
+/// SUMO reads compressed files, we do not look into them.
+pub(super) fn is_compressed(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e == "gz")
+}
+
 /// Standard streams, the void and network sockets (`host:port`).
 fn is_no_file(value: &str) -> bool {
     let socket = value.rsplit_once(':').is_some_and(|(host, port)| !host.contains('/') && port.parse::<u16>().is_ok());
@@ -199,7 +204,7 @@ pub(super) fn included(file: &Path) -> Result<Vec<PathBuf>, ScenarioError> {
 
 fn included_by(file: &Path, above: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, ScenarioError> {
     let mut files = Vec::new();
-    if file.extension().is_some_and(|e| e == "gz") {
+    if is_compressed(file) {
         return Ok(files);
     }
     if above.iter().any(|f| f == file) {

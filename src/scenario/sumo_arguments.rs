@@ -135,7 +135,7 @@ pub(super) fn ours(options: &[String]) -> Option<(String, &'static str)> {
 }
 
 /// The user's options by long name. A word that starts with a dash and is no number begins an option.
-fn given(options: &[String]) -> BTreeMap<String, String> {
+pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
     let mut given = BTreeMap::new();
     let mut words = options.iter().peekable();
     while let Some(word) = words.next() {
