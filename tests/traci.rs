@@ -78,7 +78,8 @@ const FARTHER: RoadPosition<'static> = RoadPosition { edge: "A2B2", position_m: 
 fn push_get(batch: &mut Batch, row: &Row) -> usize {
     macro_rules! get {
         ($shape:ty, $argument:expr) => {{
-            let variable = sumo_mfc::traci::Var::<Option<String>, sumo_mfc::traci::Never, $shape>::new(row.domain, row.id);
+            let variable =
+                sumo_mfc::traci::Var::<Option<String>, sumo_mfc::traci::Never, $shape>::new(row.domain, row.id);
             batch.get_with(variable, object(row), $argument).unwrap().index()
         }};
     }
@@ -100,10 +101,7 @@ fn push_get(batch: &mut Batch, row: &Row) -> usize {
         (Some("(f64, f64, f64, f64, String)"), _) => {
             get!((f64, f64, f64, f64, String), (10.0, 30.0, 8.0, 4.5, "v0"))
         }
-        (Some(_), "FIND_ROUTE") => get!(
-            (String, String, String, f64, i32),
-            ("A0A1", "B1B0", "ego", 0.0, 0)
-        ),
+        (Some(_), "FIND_ROUTE") => get!((String, String, String, f64, i32), ("A0A1", "B1B0", "ego", 0.0, 0)),
         (Some(other), name) => panic!("no parameter {other} for {name}"),
     }
 }
@@ -128,7 +126,9 @@ async fn walk_gets(version: &str) {
         };
         match answer {
             Ok(text) if std::env::var_os("TRACI_SHOW").is_some() => println!("{:?} {} = {text}", row.domain, row.name),
-            Ok(_) if row.newer && version == OLD => problems.push(format!("{:?} {}: answered by the old version", row.domain, row.name)),
+            Ok(_) if row.newer && version == OLD => {
+                problems.push(format!("{:?} {}: answered by the old version", row.domain, row.name))
+            }
             Ok(_) => {}
             Err(_) if row.newer && version == OLD => continue,
             Err(error) => {
