@@ -19,6 +19,8 @@ pub struct Cli {
 pub enum Command {
     /// Run a scenario in SUMO and write error statistics per vehicle
     Run(Box<RunArgs>),
+    /// Run a scenario with several controllers on the same traffic and compare them
+    Compare(Box<CompareArgs>),
     /// Check a scenario and print it resolved, in SI units, as TOML
     Check(Box<CheckArgs>),
     /// List controllers, targets, plants and bodies: kind, name, summary
@@ -112,6 +114,31 @@ pub struct RunArgs {
     pub verbose: bool,
 }
 
+/// `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Controllers, separated by commas; differences are to the first
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "ideal,classic,adaptive,pid")]
+    pub controllers: Vec<String>,
+    /// Seeds: 1..5 (both included) or a list separated by commas
+    #[arg(long, value_name = "SEEDS", default_value = "1..5")]
+    pub seeds: String,
+    /// Runs at the same time
+    #[arg(short = 'j', long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: u16,
+    /// Folder of the results [default: out/<scenario>-compare]
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace finished results
+    #[arg(long)]
+    pub force: bool,
+    /// Only errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 /// `check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
@@ -127,6 +154,13 @@ fn set(argument: &str) -> Result<Override, String> {
 }
 
 impl ScenarioArgs {
+    /// What the arguments ask for, with another controller and seed.
+    pub fn request_for(&self, controller: &str, seed: u64) -> Request {
+        self.request()
+            .with(Override::text("--controllers", "controller.name", controller))
+            .with(Override::literal("--seeds", "sumo.seed", seed))
+    }
+
     /// What the arguments ask for. `--set` comes last, so that it can refine what the other options choose.
     pub fn request(&self) -> Request {
         let mut overrides = Vec::new();

@@ -256,6 +256,8 @@ impl World {
     /// # Errors
     /// If SUMO has ended.
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
+        // Who departed in the last step has a record too, without samples.
+        self.admit_waiting().await?;
         self.state.note_distances();
         self.batch.clear();
         for ego in self.state.book.iter() {

@@ -3,17 +3,20 @@
 mod cli;
 
 use std::{
+    collections::BTreeMap,
     io::{ErrorKind, IsTerminal, Write},
+    path::Path,
     process::ExitCode,
 };
 
 use clap::Parser;
-use cli::{CheckArgs, Cli, Command, RunArgs};
+use cli::{CheckArgs, Cli, Command, CompareArgs, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
-    output::terminal_text,
+    compare::{COMPARISON, parse_seeds, run_all, terminal_table},
+    output::{terminal_text, write_table},
     run::{self, RunOptions},
-    scenario::{Catalog, Scenario, template},
+    scenario::{Catalog, Scenario, ScenarioError, template},
 };
 
 fn main() -> ExitCode {
@@ -28,6 +31,7 @@ fn main() -> ExitCode {
     };
     let done = match cli.command {
         Command::Run(args) => run(&args),
+        Command::Compare(args) => compare(&args),
         Command::Check(args) => check(&args),
         Command::List => list(),
     };
@@ -54,6 +58,37 @@ fn run(args: &RunArgs) -> miette::Result<ExitCode> {
     }
     print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
     Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
+}
+
+/// Paired runs: the same seed gives every controller the same traffic, vehicles and noise.
+fn compare(args: &CompareArgs) -> miette::Result<ExitCode> {
+    let catalog = Catalog::installed();
+    let seeds = parse_seeds(&args.seeds).into_diagnostic()?;
+    let mut pairs = args.controllers.iter().flat_map(|c| seeds.iter().map(move |s| (c, *s)));
+    // A misspelt controller must not show only after the others have run for an hour.
+    let scenarios = pairs
+        .try_fold(BTreeMap::new(), |mut all, (controller, seed)| {
+            let scenario = Scenario::load(&args.scenario.request_for(controller, seed), &catalog)?;
+            all.insert((controller.clone(), seed), scenario);
+            Ok::<_, ScenarioError>(all)
+        })?;
+    let first = scenarios.values().next().ok_or_else(|| miette::miette!("--controllers and --seeds name no run"))?;
+    if !args.quiet {
+        notes(&first.notes);
+    }
+    let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-compare", first.name)));
+    let rows = run_all(&args.controllers, &seeds, usize::from(args.jobs), |controller, seed| {
+        let options = RunOptions {
+            out_dir: folder.join(format!("{controller}-{seed}")),
+            force: args.force,
+            threads: (args.jobs > 1).then_some(1),
+            progress: args.jobs == 1 && !args.quiet && std::io::stderr().is_terminal(),
+        };
+        run::run(&scenarios[&(controller.to_owned(), seed)], &options)?.whole()
+    })
+    .into_diagnostic()?;
+    write_table(&folder.join("comparison.csv"), &COMPARISON, &rows).into_diagnostic()?;
+    print(&terminal_table(&rows))
 }
 
 fn check(args: &CheckArgs) -> miette::Result<ExitCode> {

@@ -205,8 +205,11 @@ pub trait Plant: Send + Sync {
     fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64);
 }
 
+/// Builds a plant from the checked values of its keys.
+pub type BuildPlant = fn(&Values) -> Box<dyn Plant>;
+
 /// The plants that can be chosen by name.
-pub static PLANTS: &[Entry<fn(&Values) -> Box<dyn Plant>>] = &[
+pub static PLANTS: &[Entry<BuildPlant>] = &[
     Entry {
         name: "seven_dof",
         summary: "7 degrees of freedom: V_x, V_y, yaw rate and four wheels with Magic Formula tyres",

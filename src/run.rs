@@ -75,6 +75,19 @@ pub struct RunResult {
     pub interrupted: Option<Signal>,
 }
 
+impl RunResult {
+    /// The summary of a run that reached its end.
+    ///
+    /// # Errors
+    /// [`RunError::Interrupted`] if a signal ended it early.
+    pub fn whole(self) -> Result<Summary, RunError> {
+        match self.interrupted {
+            Some(signal) => Err(RunError::Interrupted(signal)),
+            None => Ok(self.summary),
+        }
+    }
+}
+
 /// Why there is no whole result.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
@@ -104,6 +117,9 @@ pub enum RunError {
     /// The system refuses threads or sockets.
     #[error("cannot start the run: {0}")]
     System(String),
+    /// A signal ended the run before its end.
+    #[error("ended by a signal ({0:?})")]
+    Interrupted(Signal),
     /// A run that broke off; what was computed is in the folder.
     #[error("the run broke off at {time_s} s; what was computed until then is in {}, marked incomplete", .dir.display())]
     Broken {
@@ -193,7 +209,7 @@ impl<'a> Run<'a> {
         let signal = self.signal.clone();
         let mut client = tokio::select! {
             client = process.connect(PATIENCE) => client?,
-            () = raised(&signal) => return Err(RunError::System("interrupted while SUMO was loading".into())),
+            () = raised(&signal) => return Err(RunError::Interrupted(self.signal().unwrap_or(Signal::Interrupt))),
         };
         if sumo.num_clients > 1 {
             client.set_order(1).await?;

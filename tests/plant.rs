@@ -1,8 +1,8 @@
 //! Laws, oracles and limits of the plant.
 
 use sumo_mfc::lanes::LANES;
-use sumo_mfc::plant::*;
 use sumo_mfc::plant::oracle::Reference;
+use sumo_mfc::plant::*;
 
 /// Torque and steering of an urban drive, one pair per 10 ms: three times away from a red light, round bends and back to
 /// a stop.
@@ -24,7 +24,11 @@ fn urban_drive(seconds: usize) -> Vec<(f64, f64)> {
             };
             target += (wish - target).clamp(-0.01 * rate, 0.01 * rate);
             let v = block.vx_mps[0];
-            let force = if target > 0.0 || v > 0.3 { 3.0 * (target - v) + (wish - target).signum() * rate.min(3.0*(wish-target).abs()) } else { -3.0 };
+            let force = if target > 0.0 || v > 0.3 {
+                3.0 * (target - v) + (wish - target).signum() * rate.min(3.0 * (wish - target).abs())
+            } else {
+                -3.0
+            };
             inputs.torque_nm[0] = scale * force.clamp(-9.0, 4.0);
             inputs.steer_rad[0] = 0.06 * libm::sin(0.7 * t) + if v < 4.0 { 0.2 * libm::sin(0.3 * t) } else { 0.0 };
             plant.advance(&mut block, &inputs, &[1.0; LANES], 0.01);
@@ -68,13 +72,20 @@ fn probe_accuracy() {
         let mut above = 0;
         for (k, (a, b)) in r.iter().zip(&exact).enumerate() {
             let e = (a.vx_mps - b.vx_mps).abs();
-            if e > worst.0 { worst = (e, k, a.vx_mps, b.vx_mps); }
-            if e > 1e-4 { above += 1; }
+            if e > worst.0 {
+                worst = (e, k, a.vx_mps, b.vx_mps);
+            }
+            if e > 1e-4 {
+                above += 1;
+            }
             ey = ey.max((a.vy_mps - b.vy_mps).abs());
             eyaw = eyaw.max((a.yaw_rate_radps - b.yaw_rate_radps).abs());
         }
         println!("h {h} worst {worst:?} vy {ey:.2e} yaw {eyaw:.2e} above1e-4: {above}");
     }
-    for k in (0..6000).step_by(100) { let s=exact[k]; print!("{:.2}/{:.2}/{:.2} ", s.vx_mps, s.vy_mps, s.yaw_rate_radps); }
+    for k in (0..6000).step_by(100) {
+        let s = exact[k];
+        print!("{:.2}/{:.2}/{:.2} ", s.vx_mps, s.vy_mps, s.yaw_rate_radps);
+    }
     println!();
 }

@@ -3,6 +3,7 @@
 use crate::fleet::Slot;
 use crate::traci::Prefix;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Where a vehicle is, as far as we may drive it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,7 +43,7 @@ pub struct Lead {
 /// One ego.
 pub struct Ego {
     /// SUMO's id.
-    pub id: String,
+    pub id: Arc<str>,
     /// vType.
     pub type_id: String,
     /// Index of the scenario's group.
@@ -82,7 +83,7 @@ pub struct EgoKey(usize);
 pub struct Book {
     egos: Vec<Option<Ego>>,
     free: Vec<usize>,
-    by_id: HashMap<String, EgoKey>,
+    by_id: HashMap<Arc<str>, EgoKey>,
     order: Vec<EgoKey>,
     cursor: usize,
 }
@@ -129,7 +130,7 @@ impl Book {
     /// The ego that a block of the reply speaks of: the next in order nearly always, else looked up.
     pub fn next_in_reply(&mut self, id: &str) -> Option<EgoKey> {
         let expected = self.order.get(self.cursor).copied();
-        let key = expected.filter(|k| self[*k].id == id).or_else(|| {
+        let key = expected.filter(|k| *self[*k].id == *id).or_else(|| {
             let found = self.find(id)?;
             self.cursor = self.order.iter().position(|k| *k == found)?;
             Some(found)

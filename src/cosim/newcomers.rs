@@ -12,6 +12,7 @@ use crate::random::Stream;
 use crate::scenario::EgoInfo;
 use crate::traci::{Batch, Handle, Prefix, Reply, vehicle, vehicletype};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// What is known of vTypes.
 #[derive(Default)]
@@ -156,8 +157,10 @@ impl World {
         {
             state.unknown_lanes.push(lane.clone());
         }
+        let id: Arc<str> = Arc::from(vehicle.id);
+        state.admitted.push(id.clone());
         let key: EgoKey = state.book.insert(Ego {
-            id: vehicle.id,
+            id,
             type_id: vehicle.type_id,
             group,
             slot,

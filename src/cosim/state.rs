@@ -10,6 +10,7 @@ use crate::reference::Target;
 use crate::stats::{Sums, VehicleStats};
 use crate::traci::{Block, Domain, Reply};
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
 
 /// A reply's speed this far below the command means that SUMO clamped it [m/s].
 const CLAMP_MPS: f64 = 1e-6;
@@ -17,7 +18,7 @@ const CLAMP_MPS: f64 = 1e-6;
 /// One ego's record when its time is over.
 pub struct Finished {
     /// SUMO's id.
-    pub id: String,
+    pub id: Arc<str>,
     /// vType.
     pub type_id: String,
     /// Index of its group.
@@ -82,6 +83,8 @@ pub struct State {
     pub step_s: f64,
     /// Vehicles that SUMO still expects.
     pub expected: i32,
+    /// Egos that got a body since they were last taken.
+    pub admitted: Vec<Arc<str>>,
     /// Records that have ended since they were last taken.
     pub finished: Vec<Finished>,
     /// Tables by road.
@@ -138,6 +141,7 @@ impl State {
             time_s,
             step_s,
             expected: 0,
+            admitted: Vec::new(),
             finished: Vec::new(),
             roads: Roads::default(),
             others: BTreeMap::new(),
@@ -426,7 +430,7 @@ impl State {
         }
         let stats = self.fleet.release(ego.slot);
         self.finished.push(Finished {
-            collisions: self.collisions.get(&ego.id).copied().unwrap_or(0),
+            collisions: self.collisions.get(&*ego.id).copied().unwrap_or(0),
             id: ego.id,
             type_id: ego.type_id,
             group: ego.group,

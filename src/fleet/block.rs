@@ -151,6 +151,7 @@ impl Block {
     /// The vehicle is on the road at this speed, rolling straight ahead: it departed, or its teleport ended.
     pub fn appear(&mut self, lane: usize, speed_mps: f64) {
         self.present[lane] = 1.0;
+        self.stats.rejoin(lane, speed_mps);
         self.held[lane] = 0.0;
         self.target_mps[lane] = speed_mps;
         self.reference_mps[lane] = speed_mps;

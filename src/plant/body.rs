@@ -33,6 +33,8 @@ pub struct Body {
     pub lateral: [Tyre; 2],
     /// Friction μ of each wheel; the tyre's peak is D = μ F_z.
     pub friction: [f64; 4],
+    /// Lateral peak over longitudinal peak [-]; 1 where one friction describes both.
+    pub lateral_grip: f64,
     /// Share of the driving torque on the front axle, 0 to 1.
     pub drive_front_share: f64,
     /// Share of the braking torque on the front axle, 0 to 1.
@@ -62,6 +64,28 @@ impl Body {
         self.mass_kg * self.wheel_radius_m
     }
 
+    /// Mass that a torque has to accelerate, M + ΣI_r/r² [kg].
+    pub fn effective_mass_kg(&self) -> f64 {
+        self.mass_kg + 4.0 * self.wheel_inertia_kgm2 / (self.wheel_radius_m * self.wheel_radius_m)
+    }
+
+    /// Makes the vehicle heavier or lighter as a loaded one of its kind: yaw inertia and torque limits go with the mass.
+    pub fn load_to(&mut self, mass_kg: f64) {
+        let factor = mass_kg / self.mass_kg;
+        self.mass_kg = mass_kg;
+        self.yaw_inertia_kgm2 *= factor;
+        self.drive_torque_max_nm *= factor;
+        self.brake_torque_max_nm *= factor;
+    }
+
+    /// Raises the torque limits where they do not allow this acceleration and deceleration [m/s²] on a flat road. What
+    /// the tyres can hold of it is another matter.
+    pub fn cover(&mut self, accel_mps2: f64, decel_mps2: f64) {
+        let scale = self.effective_mass_kg() * self.wheel_radius_m;
+        self.drive_torque_max_nm = self.drive_torque_max_nm.max(scale * accel_mps2);
+        self.brake_torque_max_nm = self.brake_torque_max_nm.max(scale * decel_mps2);
+    }
+
     /// Static load F_z of each wheel on a flat road [N].
     pub fn static_load_n(&self) -> [f64; 4] {
         let half = 0.5 * self.mass_kg * GRAVITY_MPS2 / self.wheelbase_m();
@@ -75,7 +99,7 @@ impl Body {
         [0, 1].map(|axle| {
             let (left, right) = (2 * axle, 2 * axle + 1);
             let peak = self.friction[left] * load[left] + self.friction[right] * load[right];
-            self.lateral[axle].slope_per_peak() * peak
+            self.lateral[axle].slope_per_peak() * self.lateral_grip * peak
         })
     }
 
@@ -112,6 +136,7 @@ impl Body {
             ("drag_area_m2", &mut self.drag_area_m2),
             ("rolling_resistance", &mut self.rolling_resistance),
             ("cg_height_m", &mut self.cg_height_m),
+            ("lateral_grip", &mut self.lateral_grip),
         ] {
             set(field, values, name);
         }
@@ -171,18 +196,26 @@ fn set(field: &mut f64, values: &Values, name: &str) {
 }
 
 /// The bodies that can be chosen by name.
-pub static BODIES: &[Entry<fn() -> Body>] = &[Entry {
-    name: "car",
-    summary: "mid-size saloon, 1719 kg, front-wheel drive, the usual parameter set of the model-free control literature",
-    keys: BODY_KEYS,
-    build: car,
-}];
+pub static BODIES: &[Entry<fn() -> Body>] = &[
+    entry("car", "mid-size saloon, 1719 kg, front-wheel drive (usual set of the model-free control literature)", car),
+    entry("ford_escort", "compact car, 1226 kg, front-wheel drive (CommonRoad vehicle 1)", ford_escort),
+    entry("bmw_320i", "saloon, 1093 kg, rear-wheel drive (CommonRoad vehicle 2)", bmw_320i),
+    entry("vw_vanagon", "minibus, 1479 kg, rear-wheel drive (CommonRoad vehicle 3)", vw_vanagon),
+    entry("van", "delivery van of 3.5 t, loaded to 2.8 t (wheelbase and length of a Mercedes-Benz Sprinter)", van),
+    entry("bus", "city bus of 12 m, 14 t (data sheet of a Mercedes-Benz Citaro)", bus),
+    entry("truck", "rigid two-axle truck, 12 t (SUMO's default mass and length, UMTRI-86-12 tyres)", truck),
+];
+
+const fn entry(name: &'static str, summary: &'static str, build: fn() -> Body) -> Entry<fn() -> Body> {
+    Entry { name, summary, keys: BODY_KEYS, build }
+}
 
 /// 1719 kg, I_z 3300 kg·m², l_f 1.195 m, l_r 1.513 m, r 0.3 m: the mid-size saloon used widely in the literature on
-/// model-free vehicle control. Torque limits: 4 m/s² of drive, 9 m/s² of brakes with the wheels' inertia.
+/// model-free vehicle control. The paper gives no tyres: B = 10, C = 1.65, E = 0.5, μ = 1 are those of a passenger car on
+/// dry asphalt. Drive for 4 m/s², brakes for 9 m/s².
 fn car() -> Body {
     let tyre = Tyre { b: 10.0, c: 1.65, e: 0.5 };
-    Body {
+    let mut body = Body {
         mass_kg: 1719.0,
         yaw_inertia_kgm2: 3300.0,
         front_axle_m: 1.195,
@@ -193,15 +226,119 @@ fn car() -> Body {
         longitudinal: [tyre; 2],
         lateral: [tyre; 2],
         friction: [1.0; 4],
+        lateral_grip: 1.0,
         drive_front_share: 1.0,
         brake_front_share: 0.6,
-        drive_torque_max_nm: 2120.0,
-        brake_torque_max_nm: 4770.0,
+        drive_torque_max_nm: 0.0,
+        brake_torque_max_nm: 0.0,
         drag_area_m2: 0.0,
         rolling_resistance: 0.0,
         cg_height_m: 0.0,
         combined_slip: false,
-    }
+    };
+    body.cover(4.0, 9.0);
+    body
+}
+
+/// The tyres of all CommonRoad vehicles (commonroad-vehicle-models 3.0.2, `parameters_tire.yaml`): C, E and μ are p_cx1,
+/// p_ex1, p_dx1 and p_cy1, p_ey1, p_dy1; B = K/(C·μ) from the stiffness per load p_kx1 and p_ky1. Wheels: radius
+/// 0.344 m, 1.7 kg·m².
+fn common_road(mass_kg: f64, axles_m: [f64; 2], yaw_inertia_kgm2: f64, drive_front: f64, brake_front: f64) -> Body {
+    let (mu_x, mu_y) = (1.1739, 1.0489);
+    let mut body = Body {
+        mass_kg,
+        yaw_inertia_kgm2,
+        front_axle_m: axles_m[0],
+        rear_axle_m: axles_m[1],
+        wheel_radius_m: 0.344,
+        wheel_inertia_kgm2: 1.7,
+        longitudinal: [Tyre { b: 22.303 / (1.6411 * mu_x), c: 1.6411, e: 0.46403 }; 2],
+        lateral: [Tyre { b: 21.92 / (1.3507 * mu_y), c: 1.3507, e: -0.0074722 }; 2],
+        friction: [mu_x; 4],
+        lateral_grip: mu_y / mu_x,
+        drive_front_share: drive_front,
+        brake_front_share: brake_front,
+        drive_torque_max_nm: 0.0,
+        brake_torque_max_nm: 0.0,
+        ..car()
+    };
+    body.cover(4.0, 9.0);
+    body
+}
+
+/// CommonRoad vehicle 1: m, a, b, I_z, T_se, T_sb of `parameters_vehicle1.yaml`.
+fn ford_escort() -> Body {
+    common_road(1225.888, [0.88392, 1.50876], 1538.853, 1.0, 0.76)
+}
+
+/// CommonRoad vehicle 2.
+fn bmw_320i() -> Body {
+    common_road(1093.295, [1.156196, 1.422717], 1791.600, 0.0, 0.66)
+}
+
+/// CommonRoad vehicle 3.
+fn vw_vanagon() -> Body {
+    common_road(1478.898, [1.150792, 1.321136], 2473.118, 0.0, 0.64)
+}
+
+/// Sprinter of 3.5 t with medium wheelbase (manufacturer's data: wheelbase 3.665 m, tyres 235/65 R16), half loaded, the
+/// load evenly on both axles; I_z = M l_f l_r, as within 10 % for the measured vehicles above. Tyres as the car's with
+/// the lower friction and cornering stiffness of van tyres.
+fn van() -> Body {
+    let mut body = Body {
+        mass_kg: 2800.0,
+        yaw_inertia_kgm2: 2800.0 * 1.83 * 1.835,
+        front_axle_m: 1.83,
+        rear_axle_m: 1.835,
+        wheel_radius_m: 0.345,
+        wheel_inertia_kgm2: 1.6,
+        lateral: [Tyre { b: 8.0, c: 1.5, e: 0.3 }; 2],
+        friction: [0.98; 4],
+        drive_front_share: 0.0,
+        brake_front_share: 0.55,
+        drive_torque_max_nm: 0.0,
+        brake_torque_max_nm: 0.0,
+        ..car()
+    };
+    body.cover(3.0, 9.0);
+    body
+}
+
+/// Tyres of heavy vehicles: cornering stiffness 0.1 of the load per degree, peak friction 0.8 (Fancher, Ervin, Winkler,
+/// Gillespie: A Factbook of the Mechanical Properties of the Components for Single-Unit and Articulated Heavy Trucks,
+/// UMTRI-86-12, 1986, gives the ranges); radius and inertia of 275/70 R 22.5, twins at the rear taken into the mean.
+fn heavy(mass_kg: f64, axles_m: [f64; 2], length_m: f64, brake_front: f64) -> Body {
+    let mut body = Body {
+        mass_kg,
+        // The mass spread evenly over the vehicle's length.
+        yaw_inertia_kgm2: mass_kg * length_m * length_m / 12.0,
+        front_axle_m: axles_m[0],
+        rear_axle_m: axles_m[1],
+        wheel_radius_m: 0.465,
+        wheel_inertia_kgm2: 15.0,
+        longitudinal: [Tyre { b: 8.0, c: 1.5, e: 0.3 }; 2],
+        lateral: [Tyre { b: 5.5, c: 1.3, e: 0.0 }; 2],
+        friction: [0.8; 4],
+        drive_front_share: 0.0,
+        brake_front_share: brake_front,
+        drive_torque_max_nm: 0.0,
+        brake_torque_max_nm: 0.0,
+        ..car()
+    };
+    body.cover(1.6, 7.0);
+    body
+}
+
+/// Citaro of 12 m (manufacturer's technical information: length 11.95 m, wheelbase 5.845 m, axle loads 7.245 t and 12 t,
+/// 18 t gross), half full at 14 t, the mass on the axles as the permissible loads are.
+fn bus() -> Body {
+    heavy(14_000.0, [3.645, 2.2], 11.95, 0.38)
+}
+
+/// SUMO's default truck (7.1 m, 12 t) with the wheelbase of distribution trucks of that size, 60 % of the load at the
+/// rear.
+fn truck() -> Body {
+    heavy(12_000.0, [2.52, 1.68], 7.1, 0.4)
 }
 
 const fn number(name: &'static str, unit: &'static str, min: f64, max: f64, help: &'static str) -> Key {
@@ -230,6 +367,7 @@ pub const BODY_KEYS: &[Key] = &[
     number("friction_front_right", "-", 0.01, 2.0, "friction of this wheel"),
     number("friction_rear_left", "-", 0.01, 2.0, "friction of this wheel"),
     number("friction_rear_right", "-", 0.01, 2.0, "friction of this wheel"),
+    number("lateral_grip", "-", 0.1, 2.0, "lateral peak force over longitudinal peak force"),
     number("drive_front_share", "-", 0.0, 1.0, "share of the driving torque on the front axle"),
     number("brake_front_share", "-", 0.0, 1.0, "share of the braking torque on the front axle"),
     number("drive_torque_max_nm", "N m", 0.0, 1e6, "largest driving torque, sum over the wheels"),

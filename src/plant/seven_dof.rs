@@ -8,7 +8,7 @@
 //! hub speed along the wheel   V_i = e·(V_x − y_i ψ̇, V_y + x_i ψ̇)
 //! slip ratio                  τ_i = (r ω_i − V_i)/max(|r ω_i|, |V_i|), within ±1
 //! slip angle of an axle       α   = atan(−n·v/|e·v|), v = (V_x, V_y + x ψ̇): δ − atan2(V_y + x ψ̇, V_x) for V_x > 0
-//! tyre forces                 F_xp,i = D_i·shape(τ_i),  F_yp,i = D_i·shape(α),  D_i = μ_i F_z,i
+//! tyre forces                 F_xp,i = D_i·shape(τ_i),  F_yp,i = g·D_i·shape(α),  D_i = μ_i F_z,i,  g = 1 unless the body says so
 //! M (V̇_x − ψ̇ V_y) = ΣF_x                                                    (paper, eq. 1)
 //! M (V̇_y + ψ̇ V_x) = ΣF_y                                                    (eq. 2)
 //! I_z ψ̈ = l_f F_yf − l_r F_yr − Σ y_i F_x,i                                    (eq. 3; the sum is 0 for w = 0)
@@ -67,10 +67,12 @@ pub struct Car {
     pub rolling: f64,
     /// 1 with the friction ellipse, 0 without.
     pub ellipse: f64,
+    /// Lateral peak over longitudinal peak.
+    pub lateral_grip: f64,
 }
 
 /// Number of columns that hold a [`Car`].
-pub const CAR_COLUMNS: usize = 35;
+pub const CAR_COLUMNS: usize = 36;
 
 impl Car {
     /// What the equations need of a body.
@@ -96,6 +98,7 @@ impl Car {
             drag: 0.5 * AIR_DENSITY_KGPM3 * body.drag_area_m2,
             rolling: body.rolling_resistance * weight,
             ellipse: if body.combined_slip { 1.0 } else { 0.0 },
+            lateral_grip: body.lateral_grip,
         }
     }
 
@@ -111,7 +114,8 @@ impl Car {
             .chain(self.drive_share)
             .chain(self.brake_share)
             .chain(self.friction)
-            .chain(tyres);
+            .chain(tyres)
+            .chain([self.lateral_grip]);
         for (column, value) in columns.iter_mut().zip(values) {
             column[lane] = value;
         }
@@ -140,6 +144,7 @@ impl Car {
             friction: [columns[19][lane], columns[20][lane], columns[21][lane], columns[22][lane]],
             longitudinal: [tyre(23), tyre(26)],
             lateral: [tyre(29), tyre(32)],
+            lateral_grip: columns[35][lane],
         }
     }
 }
@@ -189,12 +194,13 @@ impl Drive {
 pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
     let pitch = car.pitch_transfer * acceleration[0];
     let mut peak = [0.0; 4];
-    for wheel in 0..4 {
+    for (wheel, peak) in peak.iter_mut().enumerate() {
         let axle = wheel / 2;
         let static_load = car.load[axle] * drive.load_scale;
         let roll = car.roll_transfer[axle] * acceleration[1];
-        let load = static_load + if axle == 0 { -pitch } else { pitch } + if wheel % 2 == 0 { -roll } else { roll };
-        peak[wheel] = car.friction[wheel] * larger(load, 0.0);
+        let load =
+            static_load + if axle == 0 { -pitch } else { pitch } + if wheel.is_multiple_of(2) { -roll } else { roll };
+        *peak = car.friction[wheel] * larger(load, 0.0);
     }
     peak
 }
@@ -224,7 +230,7 @@ pub struct Forces {
 /// Direction in which a longitudinal tyre force acts on (V_x, V_y, ψ̇), and which of them its hub speed is made of.
 #[inline(always)]
 pub fn along_axis(car: &Car, drive: &Drive, wheel: usize) -> [f64; 3] {
-    let y = if wheel % 2 == 0 { car.half_track } else { -car.half_track };
+    let y = if wheel.is_multiple_of(2) { car.half_track } else { -car.half_track };
     let [cos, sin] = if wheel < 2 { drive.steer } else { [1.0, 0.0] };
     [cos, sin, car.axle_x[wheel / 2] * sin - y * cos]
 }
@@ -271,10 +277,11 @@ fn along_force<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector, w
     let tyre = &car.longitudinal[wheel / 2];
     let hub = dot(along_axis(car, drive, wheel), x);
     let rim = car.radius * x[3 + wheel];
-    let scale = larger(larger(rim.abs(), hub.abs()), FLOOR_MPS);
-    let slip = within_one((rim - hub) / scale);
+    let per_scale = 1.0 / larger(larger(rim.abs(), hub.abs()), FLOOR_MPS);
+    let slip = within_one((rim - hub) * per_scale);
     let shape = tyre.shape::<T>(slip);
-    Force { force: peak[wheel] * shape, slope: peak[wheel] * chord(tyre, slip, shape) / scale, slip, shape }
+    let (force, stiffness) = (peak[wheel] * shape, peak[wheel] * tyre.b * tyre.c * per_scale);
+    Force { force, slope: chord(force, rim - hub, stiffness), slip, shape }
 }
 
 /// F_yp of an axle: the slip angle is the axle's, the peaks are its wheels', and with the friction ellipse what a wheel
@@ -291,21 +298,22 @@ fn across_force<T: Trig>(
     let tyre = &car.lateral[axle];
     let [cos, sin] = if axle == 0 { drive.steer } else { [1.0, 0.0] };
     let ahead = cos * x[0] + sin * (x[1] + car.axle_x[axle] * x[2]);
-    let scale = larger(ahead.abs(), FLOOR_MPS);
-    let tangent = -dot(across_axis(car, drive, axle), x) / scale;
-    let slip = T::atan(tangent);
+    let per_scale = 1.0 / larger(ahead.abs(), FLOOR_MPS);
+    let across = -dot(across_axis(car, drive, axle), x);
+    let slip = T::atan(across * per_scale);
     let shape = tyre.shape::<T>(slip);
     let (left, right) = (along[2 * axle].shape, along[2 * axle + 1].shape);
     let peak = peak[2 * axle] * (1.0 - car.ellipse * left * left).sqrt()
         + peak[2 * axle + 1] * (1.0 - car.ellipse * right * right).sqrt();
-    Force { force: peak * shape, slope: peak * chord(tyre, tangent, shape) / scale, slip, shape }
+    let peak = car.lateral_grip * peak;
+    let (force, stiffness) = (peak * shape, peak * tyre.b * tyre.c * per_scale);
+    Force { force, slope: chord(force, across, stiffness), slip, shape }
 }
 
-/// shape/slip, which is BC in the limit of no slip; never negative.
+/// force/speed, which is the stiffness in the limit of no slip; never negative.
 #[inline(always)]
-fn chord(tyre: &Tyre, slip: f64, shape: f64) -> f64 {
-    let quotient = shape / slip;
-    larger(choose(slip.abs() > 1e-6, quotient, tyre.b * tyre.c), 0.0)
+fn chord(force: f64, speed: f64, stiffness: f64) -> f64 {
+    larger(choose(speed.abs() > 1e-7, force / speed, stiffness), 0.0)
 }
 
 /// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y [N].

@@ -72,16 +72,17 @@ pub fn read_curve(text: &str) -> Result<Vec<(f64, f64)>, TyreError> {
     let is_header = |line: &str| line.split(',').map(str::trim).eq(["slip", "force_n"]);
     text.lines()
         .enumerate()
-        .filter(|(k, line)| !line.trim().is_empty() && !(*k == 0 && is_header(line)))
+        .filter(|(k, line)| !(line.trim().is_empty() || *k == 0 && is_header(line)))
         .map(|(k, line)| data(line).ok_or_else(|| TyreError::Line { line: k + 1, found: line.to_owned() }))
         .collect()
 }
 
-/// The paper's four steps: D is the peak, C = 2 − (2/π) asin(y_s/D) with y_s the force at the largest slip, B follows
-/// from the initial slope BCD, E = (Bτ_m − tan(π/2C))/(Bτ_m − atan(Bτ_m)) with τ_m the slip of the peak.
+/// The paper's four steps: D is the peak, C = 2 − (2/π) asin(y_s/D) with y_s the asymptotic force, B follows from the
+/// initial slope BCD, E = (Bτ_m − tan(π/2C))/(Bτ_m − atan(Bτ_m)) with τ_m the slip of the peak.
 ///
 /// `curve` holds (slip, force \[N\]) of the driving branch in any order. The peak is refined by a parabola through its
-/// neighbours, the slope is a least-squares fit through the origin.
+/// neighbours, the slope is a least-squares fit. A curve ends before its asymptote (a slip ratio at 1), so that y_s is
+/// first taken from its last point and then corrected by what the resulting tyre misses there.
 ///
 /// # Errors
 /// [`TyreError::Curve`] if there is no interior peak, no slope, or no constants that fit.
@@ -96,17 +97,27 @@ pub fn identify(curve: &[(f64, f64)]) -> Result<Identified, TyreError> {
         return Err(TyreError::Curve("no peak of positive force between the smallest and the largest slip"));
     }
     let (slip_m, peak_n) = parabola_top(points[top - 1], points[top], points[top + 1]);
-    let y_s = points[points.len() - 1].1;
-    let c = 2.0 - 2.0 / PI * libm::asin((y_s / peak_n).clamp(-1.0, 1.0));
-    let b = initial_slope(&points, peak_n)? / (c * peak_n);
-    let bt = b * slip_m;
-    let e = (bt - libm::tan(PI / (2.0 * c))) / (bt - libm::atan(bt));
-    let tyre = Tyre { b, c, e };
-    if [b, c, e].iter().all(|x| x.is_finite()) && b > 0.0 {
+    let slope = initial_slope(&points, peak_n)?;
+    let (last_slip, last_force) = points[points.len() - 1];
+    let mut y_s = last_force;
+    let mut tyre = four_steps(slip_m, peak_n, y_s, slope);
+    for _ in 0..100 {
+        y_s += last_force - peak_n * tyre.force_per_peak(last_slip);
+        tyre = four_steps(slip_m, peak_n, y_s, slope);
+    }
+    if [tyre.b, tyre.c, tyre.e].iter().all(|x| x.is_finite()) && tyre.b > 0.0 {
         Ok(Identified { tyre, peak_n })
     } else {
         Err(TyreError::Curve("no Magic Formula constants fit"))
     }
+}
+
+/// Steps 2 to 4 for a peak D at slip τ_m, an asymptote y_s and an initial slope.
+fn four_steps(slip_m: f64, peak_n: f64, y_s: f64, slope: f64) -> Tyre {
+    let c = 2.0 - 2.0 / PI * libm::asin((y_s / peak_n).clamp(-1.0, 1.0));
+    let b = slope / (c * peak_n);
+    let bt = b * slip_m;
+    Tyre { b, c, e: (bt - libm::tan(PI / (2.0 * c))) / (bt - libm::atan(bt)) }
 }
 
 /// Slope at zero: least squares of F = k₁τ + k₂τ³ through the origin, over the points below a quarter of the peak (at

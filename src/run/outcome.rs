@@ -57,7 +57,7 @@ impl Outcome {
         let rows = std::mem::take(&mut state.finished)
             .into_iter()
             .map(|record| {
-                let trip = trips.by_id.get(&record.id);
+                let trip = trips.by_id.get(&*record.id);
                 let kind = types.entry(record.type_id.clone()).or_insert_with_key(|t| Arc::from(t.as_str())).clone();
                 row(record, trip, kind, &names, time_s)
             })
@@ -88,7 +88,7 @@ fn row(record: Finished, trip: Option<&TripInfo>, vehicle_type: Arc<str>, names:
     let arrival = trip.and_then(|t| t.arrival_s).or(record.arrival_s);
     let [controller, target] = names.0[record.group].clone();
     VehicleRow {
-        id: record.id,
+        id: record.id.to_string(),
         vehicle_type,
         controller,
         target,

@@ -6,25 +6,15 @@ use crate::cosim::book::{Ego, Presence};
 use crate::cosim::state::State;
 use crate::fleet::block::Block;
 use crate::output::{
-    EDGES, ResultDir, SAMPLE, SampleRow, TRACE, Table, TraceRow, VEHICLES, sort_vehicles, write_table,
+    EDGES, ResultDir, SampleRow, Sampler, TRACE, Table, TraceRow, VEHICLES, sort_vehicles, write_table,
 };
-use crate::random::Stream;
 use crate::scenario::{Scenario, Trace};
-use std::collections::HashMap;
-use std::sync::Arc;
 
-/// Most vehicles in `sample.csv`.
-const SAMPLED_MAX: usize = 200;
-
-/// Open files, and who goes into them.
+/// Open files.
 pub struct Writers {
     trace: Option<(Table<TraceRow>, Trace, u64)>,
-    sample: Table<SampleRow>,
+    sampler: Sampler,
     sample_every: u64,
-    /// Egos by id: `Some` if sampled. Names are shared by all rows.
-    sampled: HashMap<String, Option<Arc<str>>>,
-    sampled_count: usize,
-    seed: u64,
     step: u64,
 }
 
@@ -39,20 +29,16 @@ impl Writers {
             let table = Table::create(&dir.file(&output.trace_file), &TRACE)?;
             Some((table, output.trace.clone(), output.trace_period_s.map_or(1, steps)))
         };
-        Ok(Self {
-            trace,
-            sample: Table::create(&dir.file("sample.csv"), &SAMPLE)?,
-            sample_every: steps(1.0),
-            sampled: HashMap::new(),
-            sampled_count: 0,
-            seed: scenario.sumo.seed,
-            step: 0,
-        })
+        let sampler = Sampler::create(&dir.file("sample.csv"), scenario.sumo.seed)?;
+        Ok(Self { trace, sampler, sample_every: steps(1.0), step: 0 })
     }
 
     /// Takes down the step that was just made.
     pub fn step(&mut self, state: &mut State) -> Result<(), RunError> {
         self.step += 1;
+        for id in state.admitted.drain(..) {
+            self.sampler.depart(&id);
+        }
         if let Some((table, wanted, every)) = &mut self.trace
             && self.step.is_multiple_of(*every)
         {
@@ -67,21 +53,12 @@ impl Writers {
     }
 
     fn sample(&mut self, state: &State) -> Result<(), RunError> {
-        // Of as many vehicles as are known of now, each has the same chance.
-        let known = state.departed + u64::try_from(state.expected).unwrap_or(0);
-        let share = SAMPLED_MAX as f64 / known.max(1) as f64;
-        for ego in state.book.iter().filter(|e| e.presence == Presence::Driving) {
-            if !self.sampled.contains_key(&ego.id) {
-                let drawn = Stream::new(self.seed, "sample", &ego.id).uniform() < share;
-                let taken = drawn && self.sampled_count < SAMPLED_MAX;
-                self.sampled_count += usize::from(taken);
-                self.sampled.insert(ego.id.clone(), taken.then(|| Arc::from(ego.id.as_str())));
-            }
-            let Some(Some(id)) = self.sampled.get(&ego.id) else { continue };
+        let driving = state.book.iter().filter(|e| e.presence == Presence::Driving);
+        for ego in driving.filter(|e| self.sampler.follows(&e.id)).collect::<Vec<_>>() {
             let (block, lane) = (state.fleet.block(ego.slot), ego.slot.lane());
-            self.sample.write(&SampleRow {
+            self.sampler.write(&SampleRow {
                 time: state.time_s,
-                id: id.clone(),
+                id: ego.id.clone(),
                 speed: block.speed_mps(lane),
                 target: target_mps(block, lane),
                 distance: block.distance_m(lane),
@@ -96,7 +73,7 @@ impl Writers {
         if let Some((trace, ..)) = self.trace {
             trace.finish()?;
         }
-        self.sample.finish()?;
+        self.sampler.finish()?;
         sort_vehicles(&mut outcome.rows);
         write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows)?;
         write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges.rows())?;
@@ -124,7 +101,7 @@ fn trace_row(ego: &Ego, block: &Block, time_s: f64) -> TraceRow {
     let [slip_front, slip_rear] = block.slip(lane);
     TraceRow {
         time: time_s,
-        id: Arc::from(ego.id.as_str()),
+        id: ego.id.clone(),
         target: target_mps(block, lane),
         reference: block.reference_mps(lane),
         speed: state.vx_mps,
