@@ -71,6 +71,7 @@ const CONFIGURATION: &str = r#"<configuration>
         <summary-output value="deeper/raw.xml"/>
         <save-state.times value="5"/>
         <save-state.suffix value=".xml"/>
+        <queue-output value="console.log"/>
         <output-prefix value="../run_TIME_"/>
     </output>
     <time><end value="100"/></time>
@@ -148,7 +149,7 @@ fn law_nothing_is_written_outside_the_results() {
             "run__trips.xml",
             "run__fcd.xml",
             "run__raw.xml",
-            "run__2_raw.xml",
+            "2_run__raw.xml",
             "run__log.txt",
             "run__edges.xml",
             "run__lanes.xml",
@@ -233,5 +234,32 @@ fn a_network_with_routes_runs() {
         run(version, &command, 20);
         let statistics = fs::read_to_string(&command.statistics).unwrap();
         assert!(statistics.contains("<vehicles loaded="), "{statistics}");
+    }
+}
+
+#[test]
+fn law_a_checked_scenario_runs_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let home = installed("1.28.0", "sumo");
+    let mfc = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("sumo-mfc").unwrap();
+        let output = command.current_dir(folder.path()).env("SUMO_HOME", &home).args(arguments).output().unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        output.stdout
+    };
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("sumo_nets/light/light.sumocfg");
+    let changed = [
+        scenario.to_str().unwrap(),
+        "--end=30",
+        "--trace=all",
+        "--set=noise.power_db=-6",
+        "--set=vehicle.mass_kg={ distribution = \"normal\", mean = 1500, std = 100 }",
+    ];
+    fs::write(folder.path().join("checked.toml"), mfc(&[&["check"], &changed[..]].concat())).unwrap();
+    mfc(&[&["run", "-o", "first"], &changed[..]].concat());
+    mfc(&["run", "-o", "second", "checked.toml"]);
+    for file in ["vehicles.csv", "trace.csv", "sample.csv", "edges.csv"] {
+        let [first, second] = ["first", "second"].map(|dir| fs::read(folder.path().join(dir).join(file)).unwrap());
+        assert!(first.len() > 10 && first == second, "{file} differs");
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Origin {
     pub argument: bool,
 }
 
-/// A stretch of an [`Origin`].
+/// A stretch of a file, or an argument of the command line.
 #[derive(Debug, Clone)]
 pub struct Place {
     pub(crate) origin: Arc<Origin>,
