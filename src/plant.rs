@@ -338,10 +338,10 @@ fn acting<T: Trig>(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Dr
 
 #[inline(always)]
 fn advance_lanes(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    for lane in 0..LANES {
+    for (lane, &moving) in moving.iter().enumerate() {
         let (car, drive) = acting::<Polynomial>(block, inputs, lane);
         let next = substep::<Polynomial>(&car, &drive, &block.moment(lane), h);
-        block.put(lane, &next, moving[lane]);
+        block.put(lane, &next, moving);
     }
 }
 

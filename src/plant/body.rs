@@ -295,7 +295,7 @@ fn van() -> Body {
         lateral: [Tyre { b: 8.0, c: 1.5, e: 0.3 }; 2],
         friction: [0.98; 4],
         drive_front_share: 0.0,
-        brake_front_share: 0.55,
+        brake_front_share: 0.52,
         drive_torque_max_nm: 0.0,
         brake_torque_max_nm: 0.0,
         ..car()

@@ -149,3 +149,55 @@ fn parabola_top(p: (f64, f64), q: (f64, f64), r: (f64, f64)) -> (f64, f64) {
     let shift = -slope / (2.0 * bend);
     (q.0 + shift, q.1 + 0.5 * slope * shift)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(tyre: &Tyre, peak_n: f64, step: f64, last: f64) -> Vec<(f64, f64)> {
+        let count = (last / step).round() as usize;
+        (1..=count).map(|k| (k as f64 * step, peak_n * tyre.force_per_peak(k as f64 * step))).collect()
+    }
+
+    #[test]
+    fn law_identification_finds_the_constants_of_its_own_curve() {
+        for tyre in [
+            Tyre { b: 10.0, c: 1.65, e: 0.5 },
+            Tyre { b: 11.577, c: 1.6411, e: 0.46403 },
+            Tyre { b: 8.0, c: 1.9, e: 0.97 },
+            Tyre { b: 14.0, c: 1.4, e: -0.5 },
+        ] {
+            let found = identify(&curve(&tyre, 4200.0, 0.002, 1.0)).unwrap();
+            assert!((found.peak_n / 4200.0 - 1.0).abs() < 1e-4, "{found:?}");
+            for (got, want) in [(found.tyre.b, tyre.b), (found.tyre.c, tyre.c), (found.tyre.e, tyre.e)] {
+                assert!((got - want).abs() < 0.02 * want.abs().max(0.5), "{tyre:?}: {found:?}");
+            }
+            for k in 0..=100 {
+                let slip = 0.01 * f64::from(k);
+                let miss = found.peak_n * found.tyre.force_per_peak(slip) - 4200.0 * tyre.force_per_peak(slip);
+                assert!(miss.abs() < 0.005 * 4200.0, "{tyre:?} at {slip}: {miss} N");
+            }
+        }
+    }
+
+    #[test]
+    fn curves_are_read_with_and_without_header() {
+        let rows = vec![(0.0, 0.0), (0.1, 3000.0)];
+        assert_eq!(read_curve("slip,force_n\n0,0\n\n0.1, 3000\n"), Ok(rows.clone()));
+        assert_eq!(read_curve("0,0\n0.1,3e3"), Ok(rows));
+        let wrong = read_curve("slip,force_n\n0.1;3000").unwrap_err();
+        assert_eq!(
+            wrong.to_string(),
+            "tyre curve, line 2: expected \"slip,force_n\" as two numbers, found \"0.1;3000\""
+        );
+        assert!(read_curve("0.1,NaN").is_err());
+    }
+
+    #[test]
+    fn curves_without_a_tyre_in_them_are_refused() {
+        let line = |f: fn(f64) -> f64| (0..50).map(|k| (0.02 * f64::from(k), f(f64::from(k)))).collect::<Vec<_>>();
+        for curve in [vec![], line(|_| 0.0), line(|k| k), line(|k| -k), line(|_| 7.0)] {
+            assert!(matches!(identify(&curve), Err(TyreError::Curve(_))), "{curve:?}");
+        }
+    }
+}
