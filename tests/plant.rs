@@ -553,6 +553,35 @@ fn keys_override_the_preset_and_only_what_they_name() {
 }
 
 #[test]
+fn a_measured_curve_gives_tyre_and_friction() {
+    let mut body = car();
+    let tyre = body.longitudinal[0];
+    let peak_n = 0.7 * body.static_load_n()[0];
+    let rows = (1..=200).map(|k| 0.005 * f64::from(k)).map(|s| format!("{s},{}\n", peak_n * tyre.force_per_peak(s)));
+    let csv = format!("slip,force_n\n{}", rows.collect::<String>());
+    let found = body.apply_tyre_curve(&csv).unwrap();
+    assert!((found.peak_n / peak_n - 1.0).abs() < 1e-3 && (body.friction[3] - 0.7).abs() < 1e-3, "{found:?}");
+    assert!((body.longitudinal[1].b / tyre.b - 1.0).abs() < 0.02 && (body.longitudinal[1].c - tyre.c).abs() < 0.03);
+    assert!(body.apply_tyre_curve("slip,force_n\n").is_err());
+}
+
+#[test]
+fn a_loaded_vehicle_keeps_its_kind() {
+    for entry in BODIES {
+        let (empty, mut loaded) = ((entry.build)(), (entry.build)());
+        loaded.load_to(1.5 * empty.mass_kg);
+        let settings = [(&empty, 1.0), (&loaded, 1.5)].map(|(body, factor)| {
+            let mut block = block_of(body, &State::rolling(body, 20.0));
+            block.reset_distance(0);
+            let inputs = inputs(-0.5 * body.brake_torque_max_nm, 0.0);
+            (run(&SevenDof::new(PERIOD_S), &mut block, &inputs, 1.0).vx_mps, body.yaw_inertia_kgm2 / factor)
+        });
+        assert!((settings[0].0 - settings[1].0).abs() < 0.1, "{}: {settings:?}", entry.name);
+        assert!((settings[0].1 / settings[1].1 - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn point_mass_and_seven_dof_agree_where_tyres_do_not_matter() {
     let build = |name| PLANTS.iter().find(|e| e.name == name).map(|e| (e.build)(&Values::defaults(e.keys)));
     let drive: Vec<_> = (0..500).map(|k| (if k < 300 { 700.0 } else { -600.0 }, 0.0)).collect();

@@ -59,7 +59,7 @@ impl Actuators {
         }
     }
 
-    /// Sets dead time [s], lag time constant [s] and torque limits (sums over the wheels, both positive) [N·m] of a slot
+    /// Sets dead time \[s\], lag time constant \[s\] and torque limits (sums over the wheels, both positive) [N·m] of a slot
     /// and forgets its past. A dead time beyond the capacity is shortened to it.
     pub fn set(&mut self, slot: usize, dead_time_s: f64, lag_s: f64, drive_max_nm: f64, brake_max_nm: f64) {
         let periods = (dead_time_s / self.period_s).clamp(0.0, (self.torque_ring.len() - 2) as f64);

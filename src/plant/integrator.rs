@@ -38,7 +38,7 @@ pub struct Moment {
     pub x: Vector,
     /// Accelerations a_x, a_y of the body for the load transfer of the next substep [m/s²].
     pub acceleration: [f64; 2],
-    /// ∫V_x dt [m].
+    /// ∫V_x dt \[m\].
     pub distance: f64,
 }
 

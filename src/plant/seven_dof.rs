@@ -33,15 +33,15 @@ pub type Vector = [f64; 7];
 /// The constants of one vehicle as the equations use them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Car {
-    /// M [kg].
+    /// M \[kg\].
     pub mass: f64,
     /// I_z [kg·m²].
     pub yaw_inertia: f64,
-    /// l_f, −l_r: x of the axles [m].
+    /// l_f, −l_r: x of the axles \[m\].
     pub axle_x: [f64; 2],
-    /// w/2 [m].
+    /// w/2 \[m\].
     pub half_track: f64,
-    /// r [m].
+    /// r \[m\].
     pub radius: f64,
     /// I_r [kg·m²].
     pub wheel_inertia: f64,
@@ -51,7 +51,7 @@ pub struct Car {
     pub lateral: [Tyre; 2],
     /// μ of the wheels.
     pub friction: [f64; 4],
-    /// Static F_z of one front and one rear wheel [N].
+    /// Static F_z of one front and one rear wheel \[N\].
     pub load: [f64; 2],
     /// Load that moves from each front to each rear wheel per a_x [N per m/s²].
     pub pitch_transfer: f64,
@@ -63,7 +63,7 @@ pub struct Car {
     pub brake_share: [f64; 2],
     /// ρ C_d A/2 [N per (m/s)²].
     pub drag: f64,
-    /// Rolling resistance f_R·M·g [N].
+    /// Rolling resistance f_R·M·g \[N\].
     pub rolling: f64,
     /// 1 with the friction ellipse, 0 without.
     pub ellipse: f64,
@@ -169,7 +169,7 @@ pub struct Drive {
 impl Drive {
     /// Splits the torque C_T over the axles and turns the angles of the road into forces.
     ///
-    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2 [rad].
+    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2 \[rad\].
     #[inline(always)]
     pub fn new<T: Trig>(car: &Car, torque: f64, steer: f64, grade: f64, bank: f64, headwind: f64) -> Self {
         let motor = larger(torque, 0.0);
@@ -188,7 +188,7 @@ impl Drive {
     }
 }
 
-/// Peak force D_i = μ_i F_z,i of the wheels [N] with the load transfer of the accelerations (a_x, a_y) and of gravity
+/// Peak force D_i = μ_i F_z,i of the wheels \[N\] with the load transfer of the accelerations (a_x, a_y) and of gravity
 /// on grade and bank [m/s²].
 #[inline(always)]
 pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
@@ -208,7 +208,7 @@ pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
 /// A tyre force, and what an implicit step wants to know about it.
 #[derive(Debug, Clone, Copy)]
 pub struct Force {
-    /// The force in tyre axes [N].
+    /// The force in tyre axes \[N\].
     pub force: f64,
     /// Its chord over the slip speed that causes it, ≥ 0 [N per m/s].
     pub slope: f64,
@@ -316,7 +316,7 @@ fn chord(force: f64, speed: f64, stiffness: f64) -> f64 {
     larger(choose(speed.abs() > 1e-7, force / speed, stiffness), 0.0)
 }
 
-/// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y [N].
+/// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y \[N\].
 #[inline(always)]
 pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
     let wind = x[0] + drive.headwind;

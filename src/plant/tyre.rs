@@ -16,7 +16,7 @@ pub struct Tyre {
 }
 
 impl Tyre {
-    /// F/D = sin(C·atan(Bτ − E(Bτ − atan(Bτ)))) for slip ratio τ [-] or slip angle [rad].
+    /// F/D = sin(C·atan(Bτ − E(Bτ − atan(Bτ)))) for slip ratio τ [-] or slip angle \[rad\].
     #[inline(always)]
     pub fn shape<T: Trig>(&self, slip: f64) -> f64 {
         let bt = self.b * slip;
@@ -39,7 +39,7 @@ impl Tyre {
 pub struct Identified {
     /// Shape constants.
     pub tyre: Tyre,
-    /// Peak force D [N].
+    /// Peak force D \[N\].
     pub peak_n: f64,
 }
 
