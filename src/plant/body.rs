@@ -43,7 +43,7 @@ pub struct Body {
     pub drive_torque_max_nm: f64,
     /// Largest braking torque, sum over the wheels [N·m].
     pub brake_torque_max_nm: f64,
-    /// Drag area C_d·A [m²]; 0 is the paper's model.
+    /// Drag area C_d·A \[m²\]; 0 is the paper's model.
     pub drag_area_m2: f64,
     /// Rolling resistance coefficient [-]; 0 is the paper's model.
     pub rolling_resistance: f64,

@@ -28,8 +28,8 @@ const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Below this speed a braked vehicle that moves no other way is held at exact rest [m/s].
 pub const HOLD_MPS: f64 = 0.001;
 
-/// Fastest sideways speed [m/s] and yaw rate [rad/s] that count as not moving any other way.
-const HOLD_SIDEWAYS: f64 = 0.1;
+/// Fastest sideways speed and wheel rim [m/s] and yaw rate [rad/s] that count as not moving any other way.
+const HOLD_OTHERWISE: f64 = 0.1;
 
 /// What a substep hands on to the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,7 +105,10 @@ pub fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> (
 fn hold(car: &Car, drive: &Drive, x: &Vector, mut next: Vector) -> Vector {
     let brake = 2.0 * (drive.brake[0] + drive.brake[1]);
     let crossed = (next[0] * x[0] < 0.0) | (next[0].abs() <= HOLD_MPS);
-    let quiet = (next[1].abs() <= HOLD_SIDEWAYS) & (next[2].abs() <= HOLD_SIDEWAYS);
+    let mut quiet = (next[1].abs() <= HOLD_OTHERWISE) & (next[2].abs() <= HOLD_OTHERWISE);
+    for speed in &next[3..] {
+        quiet &= (car.radius * speed).abs() <= HOLD_OTHERWISE;
+    }
     let mut still = next;
     still[0] = 0.0;
     let pull = road_forces(car, drive, &still)[0].abs() * car.radius;
