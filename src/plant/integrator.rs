@@ -144,8 +144,7 @@ impl System {
             let slope = h * forces.along[wheel].slope;
             // γ of this wheel, (q − 1)/x; a wheel that its brake holds leaves the stiffness to the body.
             let stiff = slope * per_inertia * car.radius;
-            let root = (2.0 * stiff * stiff + 4.0 * stiff + 12.0).sqrt();
-            let gamma = choose(free[wheel] > 0.0, (0.5 * root - 1.0) / (root + stiff), GAMMA);
+            let gamma = choose(free[wheel] > 0.0, fitted_gamma(stiff), GAMMA);
             let c = gamma * slope;
             let turn = free[wheel] * per_inertia * c;
             relief[wheel] = 1.0 / (1.0 + turn * car.radius);
@@ -194,6 +193,13 @@ impl System {
     }
 }
 
+/// (q − 1)/x of the head of this file.
+#[inline(always)]
+fn fitted_gamma(x: f64) -> f64 {
+    let root = (2.0 * x * x + 4.0 * x + 12.0).sqrt();
+    (0.5 * root - 1.0) / (root + x)
+}
+
 #[inline(always)]
 fn rank_one(s: &mut [[f64; 3]; 3], axis: [f64; 3], weight: f64) {
     for i in 0..3 {
@@ -216,4 +222,38 @@ fn factorise(mut s: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     s[2][2] -= s[2][0] * s[0][2] + s[2][1] * s[1][2];
     s[2][2] = 1.0 / s[2][2];
     s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_slip_dies_out_as_it_should() {
+        for k in 1..100_000 {
+            let x = 0.005 * f64::from(k);
+            let q = 1.0 + x * fitted_gamma(x);
+            let factor = 1.0 - 2.0 * x / q + (0.5 * x * x + x) / (q * q);
+            assert!((factor - libm::exp(-x)).abs() < 0.0082, "{x}: {factor}");
+        }
+    }
+
+    #[test]
+    fn law_the_factors_solve_the_system() {
+        let s = [[5.0, -1.0, 0.5], [2.0, 7.0, 3.0], [0.5, -3.0, 9.0]];
+        let system = System {
+            mass: [1.0; 3],
+            relief: [1.0; 4],
+            coupling: [0.0; 4],
+            lift: [0.0; 4],
+            axis: [[0.0; 3]; 4],
+            lu: factorise(s),
+        };
+        let right = [1.0, -2.0, 3.0];
+        let b = system.solve(&[right[0], right[1], right[2], 0.0, 0.0, 0.0, 0.0]);
+        for (row, want) in s.iter().zip(right) {
+            let got = row[0] * b[0] + row[1] * b[1] + row[2] * b[2];
+            assert!((got - want).abs() < 1e-14, "{got} against {want}");
+        }
+    }
 }
