@@ -7,15 +7,17 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::typed::{Domain, FromValue, Shape, Var};
+use super::variables::TABLE;
 use super::wire::{NO_VALUE, close_command, put_count, put_f64, put_i32, put_text, tag};
 
-/// Longest object id in bytes: SUMO repeats it in error texts, and a text of more than 255 bytes ends SUMO.
-pub const MAX_ID_BYTES: usize = 200;
+/// Longest object id in bytes. SUMO repeats ids in error texts, and ends itself if a text does not fit a status of 255
+/// bytes; the longest text around an id has about 60 bytes (a subscription to an unknown traffic light).
+pub const MAX_ID_BYTES: usize = 180;
 
-/// Bytes of error text that surely fit SUMO's 255-byte status, and what SUMO writes per variable besides the id.
-const ERROR_TEXT_BYTES: usize = 240;
+/// Bytes for the reasons of a refused subscription, which SUMO joins in one status; and what a reason has besides the id.
+const ERROR_TEXT_BYTES: usize = 220;
 const ERROR_PER_VARIABLE_BYTES: usize = 40;
-const ERROR_UNSUPPORTED_BYTES: usize = 75;
+const ERROR_UNSUPPORTED_BYTES: usize = 70;
 
 /// A command that must not be sent.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -39,6 +41,12 @@ pub enum BatchError {
         what: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// Subscribed without the parameter that it needs: old SUMO dies of it.
+    #[error("variable {name} needs a parameter: use `subscribe_with`")]
+    NeedsParameter {
+        /// Its name in the table.
+        name: &'static str,
     },
     /// The message would exceed 2 GiB, or one command 255 variables.
     #[error("the batch grows too large")]
@@ -326,7 +334,8 @@ impl Batch {
     /// vehicle do not fit 255 bytes); their numbers are returned. SUMO joins them into one block.
     ///
     /// # Errors
-    /// If the id is too long or the time not finite, or behind a step.
+    /// If the id is too long, the time not finite or a variable needs a parameter, or behind a step. Nothing is appended
+    /// then.
     pub fn subscribe(
         &mut self,
         domain: Domain,
@@ -335,6 +344,9 @@ impl Batch {
         begin_s: f64,
     ) -> Result<Range<usize>, BatchError> {
         let first = self.len();
+        if let Some(name) = variables.iter().find_map(|&variable| needs_parameter(domain, variable)) {
+            return Err(BatchError::NeedsParameter { name });
+        }
         for chunk in variables.chunks(variables_per_command(domain, id)) {
             let count = u8::try_from(chunk.len()).map_err(|_| BatchError::TooLarge)?;
             self.push_subscription(domain, id, begin_s, Answer::Subscription, count, |out| {
@@ -454,6 +466,11 @@ fn usable_speed(speed_mps: f64) -> Result<f64, BatchError> {
         return Err(BatchError::BadNumber { what: "speed", value: speed_mps });
     }
     Ok(speed_mps.abs())
+}
+
+fn needs_parameter(domain: Domain, variable: u8) -> Option<&'static str> {
+    let row = TABLE.iter().find(|row| row.domain == domain && row.id == variable && row.probe.is_some())?;
+    row.parameter.map(|_| row.name)
 }
 
 /// How many variables one subscribe command may carry so that the error texts fit. The simulation always exists.
