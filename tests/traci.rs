@@ -475,7 +475,7 @@ async fn hardships(version: &str) {
     assert!(matches!(client.get(wrong, "v0").await, Err(Error::Type { got: "string", .. })));
 
     let naive = client.subscribe(Domain::Vehicle, "v0", &[0x40, vehicle::LEADER.id], 5.0).await;
-    assert!(matches!(naive, Err(Error::Batch(BatchError::NeedsParameter { name: "LEADER" }))));
+    assert!(matches!(naive, Err(Error::Batch(BatchError::NeedsParameter { id: 0x68 }))));
 
     // Many variables, several commands, one block; and one with a parameter.
     let (commands, reply) = client.subscribe(Domain::Vehicle, "v0", &many, 5.0).await.unwrap();

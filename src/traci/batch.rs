@@ -42,11 +42,12 @@ pub enum BatchError {
         /// Its value.
         value: f64,
     },
-    /// Subscribed without the parameter that it needs: old SUMO dies of it.
-    #[error("variable {name} needs a parameter: use `subscribe_with`")]
+    /// Subscribed without the parameter that it needs: SUMO takes the next variable for the parameter, loses its place
+    /// in the message and hangs, or dies.
+    #[error("variable 0x{id:02x} needs a parameter: use `subscribe_with`")]
     NeedsParameter {
-        /// Its name in the table.
-        name: &'static str,
+        /// Its identifier.
+        id: u8,
     },
     /// The message would exceed 2 GiB, or one command 255 variables.
     #[error("the batch grows too large")]
@@ -344,8 +345,8 @@ impl Batch {
         begin_s: f64,
     ) -> Result<Range<usize>, BatchError> {
         let first = self.len();
-        if let Some(name) = variables.iter().find_map(|&variable| needs_parameter(domain, variable)) {
-            return Err(BatchError::NeedsParameter { name });
+        if let Some(&id) = variables.iter().find(|variable| needs_parameter(domain, **variable)) {
+            return Err(BatchError::NeedsParameter { id });
         }
         for chunk in variables.chunks(variables_per_command(domain, id)) {
             let count = u8::try_from(chunk.len()).map_err(|_| BatchError::TooLarge)?;
@@ -468,9 +469,11 @@ fn usable_speed(speed_mps: f64) -> Result<f64, BatchError> {
     Ok(speed_mps.abs())
 }
 
-fn needs_parameter(domain: Domain, variable: u8) -> Option<&'static str> {
-    let row = TABLE.iter().find(|row| row.domain == domain && row.id == variable && row.probe.is_some())?;
-    row.parameter.map(|_| row.name)
+/// True if a subscription to the variable must carry a parameter. Stops (0x73) need one only there, and
+/// only in newer SUMO; 0x3e is a parameter together with its key.
+fn needs_parameter(domain: Domain, variable: u8) -> bool {
+    let by_table = TABLE.iter().any(|row| row.domain == domain && row.id == variable && row.parameter.is_some());
+    by_table || variable == 0x3e || (domain == Domain::Vehicle && variable == 0x73)
 }
 
 /// How many variables one subscribe command may carry so that the error texts fit. The simulation always exists.
