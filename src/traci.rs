@@ -21,7 +21,7 @@
 //! }
 //! println!("{} s", client.get(simulation::TIME, "").await?);
 //! client.close().await?;
-//! process.shut_down().await?;
+//! process.shut_down(Duration::from_secs(10)).await?;
 //! # Ok(())
 //! # }
 //! ```
@@ -74,6 +74,9 @@
 //!
 //! The codec ([`wire`], [`Batch`], [`Index`], [`Reply`]) works without sockets: give [`Index::read`] a frame and the batch
 //! that it answers. Only [`client`] and [`process`] know tokio; its runtime needs I/O and time enabled.
+
+// Units in brackets, [m], are not links.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 pub mod batch;
 pub mod client;

@@ -54,7 +54,7 @@ async fn world(version: &str, extra: &[&str]) -> World {
 
 async fn end(world: World) {
     world.client.close().await.unwrap();
-    assert!(world.process.shut_down().await.unwrap().success());
+    assert!(world.process.shut_down(LIMIT).await.unwrap().success());
 }
 
 fn object(row: &Row) -> &'static str {
@@ -621,5 +621,5 @@ async fn two_clients_take_turns_and_see_each_others_blocks() {
     first.close().await.unwrap();
     second.step().await.unwrap();
     second.close().await.unwrap();
-    assert!(process.shut_down().await.unwrap().success());
+    assert!(process.shut_down(LIMIT).await.unwrap().success());
 }

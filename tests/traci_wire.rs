@@ -118,7 +118,7 @@ async fn record() {
             std::fs::write(data(&format!("{version}-{kind}.bin")), reply.frame()).unwrap();
         }
         client.close().await.unwrap();
-        process.shut_down().await.unwrap();
+        process.shut_down(Duration::from_secs(10)).await.unwrap();
     }
 }
 
