@@ -160,6 +160,52 @@ async fn every_get_of_the_table_answers_on_1_15() {
     walk_gets(OLD).await;
 }
 
+/// Values that the network, the demand and 12 s of driving leave no choice about.
+async fn plausible(version: &str) {
+    let mut world = world(version, &[]).await;
+    let client = &mut world.client;
+    client.step_until(12.0).await.unwrap();
+    assert_eq!(client.get(simulation::TIME, "").await.unwrap(), 12.0);
+    assert_eq!(client.get(simulation::STEP_LENGTH, "").await.unwrap(), 0.5);
+    assert_eq!(client.get(lane::LENGTH, "A0A1_0").await.unwrap(), 103.2);
+    assert_eq!(client.get(lane::SHAPE, "A0A1_0").await.unwrap(), [[4.8, 6.4], [4.8, 109.6]]);
+    assert_eq!(client.get(edge::LANE_COUNT, "A0A1").await.unwrap(), 2);
+    assert_eq!(client.get(junction::POSITION, "B1").await.unwrap(), [120.0, 120.0]);
+    assert_eq!(client.get(vehicletype::DECEL, "ego").await.unwrap(), 4.5);
+    assert_eq!(client.get(route::EDGES, "across").await.unwrap(), ["C1B1", "B1A1"]);
+    assert_eq!(client.get(vehicle::ALLOWED_SPEED, "v0").await.unwrap(), 13.89);
+    assert_eq!(client.get_with(vehicle::PARAMETER, "v0", "has.mfc.device").await.unwrap(), "false");
+    assert_eq!(client.get_with(vehicletype::PARAMETER, "ego", "has.mfc.device").await.unwrap(), "true");
+    let ids = client.get(vehicle::IDS, "").await.unwrap();
+    assert_eq!(client.get(vehicle::COUNT, "").await.unwrap(), i32::try_from(ids.len()).unwrap());
+    let [low, high] = client.get(simulation::BOUNDING_BOX, "").await.unwrap()[..] else { panic!("two corners") };
+    for id in &ids {
+        let speed_mps = client.get(vehicle::SPEED, id).await.unwrap();
+        assert!((0.0..=13.89).contains(&speed_mps), "{id}: {speed_mps} m/s");
+        let [x_m, y_m] = client.get(vehicle::POSITION, id).await.unwrap();
+        assert!((low[0]..=high[0]).contains(&x_m) && (low[1]..=high[1]).contains(&y_m), "{id}: {x_m} {y_m}");
+        let lane = client.get(vehicle::LANE, id).await.unwrap();
+        assert_eq!(client.get(lane::EDGE, &lane).await.unwrap(), client.get(vehicle::ROAD, id).await.unwrap());
+        assert!(client.get(lane::VEHICLES, &lane).await.unwrap().contains(id));
+        let distance_m = client.get(vehicle::DISTANCE, id).await.unwrap();
+        assert!((0.0..=12.0 * 13.89).contains(&distance_m), "{id}: {distance_m} m");
+        if let Some(leader) = client.get_with(vehicle::LEADER, id, 200.0).await.unwrap() {
+            assert!(ids.contains(&leader.id) && leader.gap_m > 0.0 && leader.gap_m < 200.0);
+        }
+    }
+    end(world).await;
+}
+
+#[tokio::test]
+async fn values_are_plausible_on_1_28() {
+    plausible(NEW).await;
+}
+
+#[tokio::test]
+async fn values_are_plausible_on_1_15() {
+    plausible(OLD).await;
+}
+
 const BLUE: Color = Color { red: 1, green: 2, blue: 250, alpha: 255 };
 const CARS: [&str; 2] = ["passenger", "taxi"];
 
@@ -469,6 +515,12 @@ async fn hardships(version: &str) {
         let reply = client.exchange(&batch).await.unwrap();
         assert!(reply.refusal(0).is_some() && reply.refusal(1).is_some(), "{domain:?}");
     }
+    // The parameter is repeated in SUMO's text too.
+    let key = format!("device.{}", "x".repeat(MAX_ID_BYTES));
+    let naive = client.get_with(vehicle::PARAMETER, "v0", &key).await;
+    assert!(matches!(naive, Err(Error::Refused { .. })), "{naive:?}");
+    let naive = client.get_with(vehicle::PARAMETER, &long, &key).await;
+    assert!(matches!(naive, Err(Error::Batch(BatchError::IdTooLong { .. }))));
     let too_long = "x".repeat(MAX_ID_BYTES + 1);
     assert!(matches!(client.get(vehicle::SPEED, &too_long).await, Err(Error::Batch(BatchError::IdTooLong { .. }))));
     let wrong: Var<f64> = Var::new(Domain::Vehicle, vehicle::ROAD.id);

@@ -14,6 +14,9 @@ use super::wire::{NO_VALUE, close_command, put_count, put_f64, put_i32, put_text
 /// bytes; the longest text around an id has about 60 bytes (a subscription to an unknown traffic light).
 pub const MAX_ID_BYTES: usize = 180;
 
+/// Longest get with its parameter, whose text SUMO repeats too.
+const MAX_GET_BYTES: usize = 200;
+
 /// Bytes for the reasons of a refused subscription, which SUMO joins in one status; and what a reason has besides the id.
 const ERROR_TEXT_BYTES: usize = 220;
 const ERROR_PER_VARIABLE_BYTES: usize = 40;
@@ -27,11 +30,11 @@ pub enum BatchError {
     #[error("the batch already ends with a step; a command behind it would act before it: send it in the next batch")]
     AfterStep,
     /// SUMO ends itself when an error text with such an id does not fit.
-    #[error("id of {length} bytes (at most {MAX_ID_BYTES}, longer ones can end SUMO): {id:.40}...")]
+    #[error("id of {length} bytes (at most {MAX_ID_BYTES}, longer ones can end SUMO): {id}...")]
     IdTooLong {
-        /// The id.
+        /// The beginning of the id.
         id: String,
-        /// Its length in bytes.
+        /// Its length in bytes, with the parameter of a get.
         length: usize,
     },
     /// Not a number, infinite, or a negative speed: SUMO would silently release the vehicle.
@@ -302,9 +305,11 @@ impl Batch {
     ) -> Result<Handle<T>, BatchError> {
         check_id(id)?;
         let index = self.push(variable.domain.get_command(), Answer::Get(variable.id), |out| {
+            let start = out.len();
             out.push(variable.id);
             put_text(out, id);
-            P::put(parameter, out)
+            P::put(parameter, out)?;
+            if out.len() - start > MAX_GET_BYTES { Err(too_long(id, out.len() - start)) } else { Ok(()) }
         })?;
         Ok(Handle { index, kind: PhantomData })
     }
@@ -344,10 +349,10 @@ impl Batch {
         variables: &[u8],
         begin_s: f64,
     ) -> Result<Range<usize>, BatchError> {
-        let first = self.len();
         if let Some(&id) = variables.iter().find(|variable| needs_parameter(domain, **variable)) {
             return Err(BatchError::NeedsParameter { id });
         }
+        let first = self.len();
         for chunk in variables.chunks(variables_per_command(domain, id)) {
             let count = u8::try_from(chunk.len()).map_err(|_| BatchError::TooLarge)?;
             self.push_subscription(domain, id, begin_s, Answer::Subscription, count, |out| {
@@ -454,10 +459,11 @@ impl Batch {
 }
 
 fn check_id(id: &str) -> Result<(), BatchError> {
-    if id.len() <= MAX_ID_BYTES {
-        return Ok(());
-    }
-    Err(BatchError::IdTooLong { id: id.chars().take(40).collect(), length: id.len() })
+    if id.len() <= MAX_ID_BYTES { Ok(()) } else { Err(too_long(id, id.len())) }
+}
+
+fn too_long(id: &str, length: usize) -> BatchError {
+    BatchError::IdTooLong { id: id.chars().take(40).collect(), length }
 }
 
 /// A speed that SUMO takes as one: negative ones and NaN would release the vehicle. −0 becomes 0.

@@ -251,9 +251,11 @@ impl<'a> Reply<'a> {
     /// If its bytes are bad.
     pub fn subscription(&self, command: usize) -> Result<Option<Block<'a>>, DecodeError> {
         let Some(at) = self.answer_at(command) else { return Ok(None) };
-        let start = Reader::new(self.frame, at);
-        let (response, _) = start.clone().command()?;
-        if response & 0xf0 == SUBSCRIBED { Block::read(&mut start.clone()).map(Some) } else { Ok(None) }
+        let (response, _) = Reader::new(self.frame, at).command()?;
+        if response & 0xf0 != SUBSCRIBED {
+            return Ok(None);
+        }
+        Block::read(&mut Reader::new(self.frame, at)).map(Some)
     }
 
     /// Number of blocks that came with the step.
