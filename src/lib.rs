@@ -5,7 +5,7 @@
 //! lower floors; `tests/tidy.rs` holds the code to it.
 //! ```text
 //! 6  main                                      the command line
-//! 5  compare  paper  report                    many runs; the paper's experiments; tables and plots
+//! 5  compare  paper  report  doctor            many runs; the paper's experiments; tables and plots; is all well?
 //! 4  run                                       one scenario -> one result
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
@@ -17,6 +17,7 @@
 pub mod compare;
 pub mod control;
 pub mod cosim;
+pub mod doctor;
 pub mod fleet;
 pub mod keys;
 pub mod lanes;

@@ -11,6 +11,8 @@ use clap::Parser;
 use cli::{CheckArgs, Cli, Command, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
+    cosim::Fault,
+    doctor,
     output::terminal_text,
     run::{self, RunOptions},
     scenario::{Catalog, Scenario, template},
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run(&args),
         Command::Check(args) => check(&args),
         Command::List => list(),
+        Command::Doctor => doctor(),
     };
     done.unwrap_or_else(|report| {
         eprintln!("{report:?}");
@@ -72,6 +75,12 @@ fn list() -> miette::Result<ExitCode> {
         registry.entries.iter().map(|e| format!("{}\t{}\t{}\n", registry.kind, e.name, e.summary))
     });
     print(&lines.collect::<String>())
+}
+
+fn doctor() -> miette::Result<ExitCode> {
+    let report = doctor::examine(None, Fault::None);
+    print(&report.to_string())?;
+    Ok(if report.is_well() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn notes(notes: &[String]) {

@@ -21,6 +21,8 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 use writers::Writers;
 
+pub use setup::world;
+
 /// How long SUMO may take to load, and to answer one message.
 const PATIENCE: Duration = Duration::from_secs(600);
 /// A configuration without an end runs this long if nobody ever arrives [s].
