@@ -290,6 +290,11 @@ impl World {
         Ok(self.state)
     }
 
+    /// Time spent waiting for SUMO so far.
+    pub fn waited(&self) -> std::time::Duration {
+        self.client.waited()
+    }
+
     /// What is known when SUMO cannot be left in order any more.
     pub fn into_state(self) -> State {
         self.state

@@ -13,8 +13,9 @@ pub use crate::cosim::self_check::Check;
 /// How long SUMO may take to load three roads, or to answer.
 const PATIENCE: Duration = Duration::from_secs(30);
 /// What to type if the SUMO that was found is of no use.
-const ANOTHER_SUMO: &str = "for another SUMO type: make setup && export SUMO_BINARY=$(echo .sumo/1.28.0/lib/python3*/site-packages/sumo/bin/sumo), \
-     or: export SUMO_HOME=/path/to/sumo";
+const ANOTHER_SUMO: &str = "for another SUMO type one of:
+  make setup (in a checkout of sumo-mfc), then: export SUMO_HOME=$(echo $PWD/.sumo/1.28.0/lib/python3*/site-packages/sumo)
+  export SUMO_HOME=/path/to/sumo";
 
 /// All that was looked at, in order.
 #[derive(Debug, Clone, Default)]
@@ -39,7 +40,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for check in &self.checks {
             let verdict = if check.passed { "ok" } else { "failed" };
-            writeln!(f, "{verdict:6}  {:38}  {}", check.name, check.figures)?;
+            writeln!(f, "{verdict:6}  {:41}  {}", check.name, check.figures)?;
         }
         Ok(())
     }

@@ -50,12 +50,16 @@ fn run(args: &RunArgs) -> miette::Result<ExitCode> {
         force: args.force,
         threads: args.threads.map(usize::from),
         progress: !args.quiet && std::io::stderr().is_terminal(),
+        profile: args.profile,
     };
     let result = run::run(&scenario, &options)?;
     if !args.quiet {
         notes(&result.notes);
     }
     print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
+    if let Some(profile) = result.profile {
+        print(&profile.to_string())?;
+    }
     Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
 }
 

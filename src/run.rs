@@ -3,6 +3,7 @@
 //! Whatever ends a run early (SUMO died, the disk is full, Ctrl-C) leaves what was computed so far, marked incomplete.
 
 mod outcome;
+mod profile;
 mod progress;
 mod setup;
 mod writers;
@@ -14,6 +15,7 @@ use crate::reference::ReferenceError;
 use crate::registry::UnknownName;
 use crate::scenario::{Scenario, ScenarioError, SumoCommand, sumo_arguments};
 use crate::traci::{self, Client, SumoProcess, find_named};
+use profile::Profiler;
 use progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,6 +23,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 use writers::Writers;
 
+pub use profile::Profile;
 pub use setup::world;
 
 /// How long SUMO may take to load, and to answer one message.
@@ -39,6 +42,8 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Show a progress bar.
     pub progress: bool,
+    /// Measure where the time of a step goes.
+    pub profile: bool,
 }
 
 /// A signal that ended a run.
@@ -75,6 +80,8 @@ pub struct RunResult {
     pub notes: Vec<String>,
     /// Set if a signal ended the run early.
     pub interrupted: Option<Signal>,
+    /// Where the time of a step went, if that was asked for.
+    pub profile: Option<Profile>,
 }
 
 /// Why there is no whole result.
@@ -146,6 +153,8 @@ struct Run<'a> {
     signal: Arc<AtomicU8>,
     begin_s: f64,
     started: Instant,
+    profiler: Profiler,
+    profile: Option<Profile>,
 }
 
 impl<'a> Run<'a> {
@@ -158,7 +167,19 @@ impl<'a> Run<'a> {
         dir.write_manifest(&manifest)?;
         let notes = Vec::new();
         let signal = Arc::new(AtomicU8::new(0));
-        Ok(Self { scenario, options, dir, manifest, command, notes, signal, begin_s: 0.0, started: Instant::now() })
+        Ok(Self {
+            scenario,
+            options,
+            dir,
+            manifest,
+            command,
+            notes,
+            signal,
+            begin_s: 0.0,
+            started: Instant::now(),
+            profiler: Profiler::new(options.profile),
+            profile: None,
+        })
     }
 
     async fn carry_out(mut self) -> Result<RunResult, RunError> {
@@ -220,7 +241,9 @@ impl<'a> Run<'a> {
         self.begin_s = world.state.time_s;
         let mut writers = Writers::open(self.scenario, &self.dir, &world.state)?;
         let progress = Progress::new(self.options.progress, self.begin_s, end_s);
+        self.profiler.begin(&mut world);
         let stepped = self.step_to(&mut world, &mut writers, end_s, &progress).await;
+        self.profile = self.profiler.profile(&world);
         progress.close();
         let closed = match stepped {
             Ok(()) => world.hand_back().await.map_err(RunError::from),
@@ -266,8 +289,10 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
             world.step().await?;
+            self.profiler.stepped(world);
             writers.step(&mut world.state)?;
             progress.show(&world.state);
+            self.profiler.written();
         }
     }
 
@@ -280,12 +305,7 @@ impl<'a> Run<'a> {
     }
 
     /// Writes the result: tables, summary, manifest.
-    fn write(
-        &mut self,
-        state: State,
-        writers: Writers,
-        broken: Option<String>,
-    ) -> Result<RunResult, RunError> {
+    fn write(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
         let interrupted = self.signal();
         let reason = broken.or(interrupted.map(|s| format!("ended by a signal ({s:?})")));
         self.notes.extend(outcome::notes(&state));
@@ -305,6 +325,7 @@ impl<'a> Run<'a> {
             files: self.manifest.files.clone(),
             notes: self.notes.clone(),
             interrupted,
+            profile: self.profile,
         })
     }
 

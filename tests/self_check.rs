@@ -15,7 +15,8 @@ const TOO_OLD: &str = "1.14.1";
 /// The SUMO of this version below `.sumo/`; `make` installs it.
 fn binary(version: &str) -> PathBuf {
     let lib = Path::new(env!("CARGO_MANIFEST_DIR")).join(".sumo").join(version).join("lib");
-    let pythons = std::fs::read_dir(&lib).unwrap_or_else(|_| panic!("no SUMO {version} below .sumo/: type make setup-test"));
+    let pythons =
+        std::fs::read_dir(&lib).unwrap_or_else(|_| panic!("no SUMO {version} below .sumo/: type make setup-test"));
     let mut paths = pythons.flatten().map(|python| python.path().join("site-packages/sumo/bin/sumo"));
     paths.find(|path| path.is_file()).expect("a SUMO binary below .sumo/")
 }
@@ -96,5 +97,9 @@ fn doctor_says_what_to_type_without_sumo() {
 #[test]
 fn doctor_refuses_a_sumo_that_is_too_old() {
     let said = predicate::str::contains("1.14.1 is too old, SUMO 1.15 or newer is needed");
-    doctor().env("SUMO_BINARY", binary(TOO_OLD)).assert().code(1).stdout(said.and(predicate::str::contains("make setup")));
+    doctor()
+        .env("SUMO_BINARY", binary(TOO_OLD))
+        .assert()
+        .code(1)
+        .stdout(said.and(predicate::str::contains("make setup")));
 }

@@ -31,7 +31,7 @@ const FLOORS: &[(&str, u8)] = &[
 ];
 
 /// Imported by every room; they import only each other.
-const COMMON_GROUND: &[&str] = &["keys", "lanes", "random", "registry"];
+const COMMON_GROUND: &[&str] = &["keys", "lanes", "random", "registry", "stopwatch"];
 
 /// Rooms or files (path below src/ without `.rs`) that may name tokio.
 const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "doctor", "cli", "main"];
@@ -45,6 +45,8 @@ const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "traci/process",
     "run",
     "doctor",
+    // Shows people where time goes; nothing is decided by it.
+    "stopwatch",
     "compare",
     "sweep",
     "paper",

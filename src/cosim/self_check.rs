@@ -72,7 +72,8 @@ pub async fn examine(client: Client, setup: WorldSetup) -> Result<Vec<Check>, Co
         world.step().await?;
         let time_s = world.state.time_s;
         for (i, id) in EGOS.into_iter().enumerate() {
-            let (Some((before_mps, _)), Some((speed_mps, distance_m))) = (before[i], world.speed_and_distance(id)) else {
+            let (Some((before_mps, _)), Some((speed_mps, distance_m))) = (before[i], world.speed_and_distance(id))
+            else {
                 continue;
             };
             let Some(believed_mps) = believed.iter().find(|(who, _)| who == id).map(|(_, v)| *v) else { continue };
@@ -124,9 +125,9 @@ impl World {
     }
 }
 
-/// The time from `from_s` on after which a speed is reached [s].
-fn time_to(mut speeds: impl Iterator<Item = (f64, f64)>, from_s: f64) -> Option<f64> {
-    speeds.find(|(time_s, speed_mps)| *time_s > from_s && *speed_mps >= COMPARED_MPS).map(|(time_s, _)| time_s - from_s)
+/// The first time after `from_s` at which the compared speed is reached [s].
+fn time_of(mut speeds: impl Iterator<Item = (f64, f64)>, from_s: f64) -> Option<f64> {
+    speeds.find(|(time_s, speed_mps)| *time_s > from_s && *speed_mps >= COMPARED_MPS).map(|(time_s, _)| time_s)
 }
 
 fn judge(id: &str, drive: &[Moment], plain: &[(f64, f64)], gap_m: Option<f64>, step_s: f64) -> Vec<Check> {
@@ -136,13 +137,15 @@ fn judge(id: &str, drive: &[Moment], plain: &[(f64, f64)], gap_m: Option<f64>, s
     let told = largest(&mut drive.iter().map(|m| m.believed_mps - m.before_mps));
     let free = |m: &&Moment| m.time_s < 0.5 * GREEN_S && m.before_mps < FREE_MPS && m.speed_mps > m.before_mps;
     let chosen = largest(&mut drive.iter().filter(free).map(|m| m.sumo_mps - m.before_mps - ACCEL_MPS2 * step_s));
-    let speed = |reply: Option<f64>| reply.map_or("no such step".to_owned(), |v| format!("{v:.1e} m/s"));
+    let difference = |what: &str, reply: Option<f64>| {
+        reply.map_or("no step to judge by".to_owned(), |v| format!("{what} by at most {v:.1e} m/s"))
+    };
 
     let gain = |name: &str, from_s: f64| {
-        let ours = time_to(drive.iter().map(|m| (m.time_s, m.speed_mps)), from_s);
-        let theirs = time_to(plain.iter().copied(), from_s);
+        let ours = time_of(drive.iter().map(|m| (m.time_s, m.speed_mps)), from_s);
+        let theirs = time_of(plain.iter().copied(), from_s);
         let passed = matches!((ours, theirs), (Some(a), Some(b)) if a - b <= LATER_S.max(step_s) + 1e-9);
-        let shown = |t: Option<f64>| t.map_or("never".to_owned(), |t| format!("after {t:.1} s"));
+        let shown = |t: Option<f64>| t.map_or("never".to_owned(), |t| format!("at {t:.1} s"));
         check(name, passed, format!("{COMPARED_MPS} m/s {}, plain SUMO {}", shown(ours), shown(theirs)))
     };
 
@@ -156,12 +159,12 @@ fn judge(id: &str, drive: &[Moment], plain: &[(f64, f64)], gap_m: Option<f64>, s
         check(
             "SUMO's speed is the body's",
             told.is_some_and(|v| v <= EXACT_MPS),
-            format!("differs by at most {}", speed(told)),
+            difference("differs", told),
         ),
         check(
             "SUMO's choice follows from it",
             chosen.is_some_and(|v| v <= EXACT_MPS),
-            format!("off V + a·dt by at most {}", speed(chosen)),
+            difference("off V + a·dt", chosen),
         ),
         gain("no creep", 0.0),
         check("stands at the red light", stands, format!("at {} m/s, {place}", fastest.unwrap_or(f64::NAN))),
