@@ -156,11 +156,7 @@ fn judge(id: &str, drive: &[Moment], plain: &[(f64, f64)], gap_m: Option<f64>, s
     let stands = fastest == Some(0.0) && place_m.is_some_and(|s| s > 0.0 && s < LIGHT_M);
     let place = place_m.map_or("not there".to_owned(), |s| format!("{:.1} m before the light", LIGHT_M - s));
     vec![
-        check(
-            "SUMO's speed is the body's",
-            told.is_some_and(|v| v <= EXACT_MPS),
-            difference("differs", told),
-        ),
+        check("SUMO's speed is the body's", told.is_some_and(|v| v <= EXACT_MPS), difference("differs", told)),
         check(
             "SUMO's choice follows from it",
             chosen.is_some_and(|v| v <= EXACT_MPS),

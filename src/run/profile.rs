@@ -100,7 +100,8 @@ impl fmt::Display for Profile {
         let mut row = |name: &str, time: Duration, what: &str| {
             let time_s = time.as_secs_f64();
             let percent = if total_s > 0.0 { 100.0 * time_s / total_s } else { 0.0 };
-            writeln!(f, "  {name:10}  {:10.4} ms/step  {percent:5.1} %  {what}", 1e3 * time_s / steps)
+            let line = format!("  {name:10}  {:10.4} ms/step  {percent:5.1} %  {what}", 1e3 * time_s / steps);
+            writeln!(f, "{}", line.trim_end())
         };
         for (name, time, what) in self.parts() {
             row(name, time, what)?;
