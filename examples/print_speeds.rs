@@ -44,6 +44,6 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
         batch.step()?;
     }
     client.close().await?;
-    process.shut_down().await?;
+    process.shut_down(Duration::from_secs(10)).await?;
     Ok(())
 }

@@ -156,9 +156,11 @@ fn set(argument: &str) -> Result<Override, String> {
 impl ScenarioArgs {
     /// What the arguments ask for, with another controller and seed.
     pub fn request_for(&self, controller: &str, seed: u64) -> Request {
-        self.request()
-            .with(Override::text("--controllers", "controller.name", controller))
-            .with(Override::literal("--seeds", "sumo.seed", seed))
+        self.request().with(Override::text("--controllers", "controller.name", controller)).with(Override::literal(
+            "--seeds",
+            "sumo.seed",
+            seed,
+        ))
     }
 
     /// What the arguments ask for. `--set` comes last, so that it can refine what the other options choose.

@@ -258,7 +258,7 @@ impl World {
     /// # Errors
     /// If SUMO has ended.
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
-        // Those that departed in the last step have records too.
+        // Who departed in the last step has a record too, without samples.
         self.admit_waiting().await?;
         self.state.note_distances();
         self.batch.clear();

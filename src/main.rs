@@ -66,12 +66,11 @@ fn compare(args: &CompareArgs) -> miette::Result<ExitCode> {
     let seeds = parse_seeds(&args.seeds).into_diagnostic()?;
     let mut pairs = args.controllers.iter().flat_map(|c| seeds.iter().map(move |s| (c, *s)));
     // A misspelt controller must not show only after the others have run for an hour.
-    let scenarios = pairs
-        .try_fold(BTreeMap::new(), |mut all, (controller, seed)| {
-            let scenario = Scenario::load(&args.scenario.request_for(controller, seed), &catalog)?;
-            all.insert((controller.clone(), seed), scenario);
-            Ok::<_, ScenarioError>(all)
-        })?;
+    let scenarios = pairs.try_fold(BTreeMap::new(), |mut all, (controller, seed)| {
+        let scenario = Scenario::load(&args.scenario.request_for(controller, seed), &catalog)?;
+        all.insert((controller.clone(), seed), scenario);
+        Ok::<_, ScenarioError>(all)
+    })?;
     let first = scenarios.values().next().ok_or_else(|| miette::miette!("--controllers and --seeds name no run"))?;
     if !args.quiet {
         notes(&first.notes);

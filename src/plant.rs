@@ -7,6 +7,7 @@
 pub mod actuator;
 pub mod body;
 pub mod integrator;
+mod kernel;
 pub mod oracle;
 mod point_mass;
 pub mod seven_dof;
@@ -18,9 +19,10 @@ use crate::lanes::{Flags, LANES, Lanes};
 use crate::registry::Entry;
 pub use actuator::{Actuated, Actuators};
 pub use body::{BODIES, BODY_KEYS, Body};
-use integrator::{Moment, substep};
+use integrator::Moment;
+pub use kernel::{InstructionSet, SevenDof};
 use seven_dof::{CAR_COLUMNS, Car, Drive, peaks, tyre_forces};
-use trig::{Libm, Polynomial, Trig};
+use trig::Libm;
 
 /// State of motion of one vehicle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -47,11 +49,11 @@ impl State {
 pub struct Inputs {
     /// Torque C_T on the wheels, sum over the wheels: positive drives, negative brakes [N·m].
     pub torque_nm: Lanes,
-    /// Steer angle δ of the front wheels, positive to the left, within ±π/2 [rad].
+    /// Steer angle δ of the front wheels, positive to the left, within ±π/2 \[rad\].
     pub steer_rad: Lanes,
-    /// Grade, positive uphill, within ±π/2 [rad].
+    /// Grade, positive uphill, within ±π/2 \[rad\].
     pub grade_rad: Lanes,
-    /// Bank, positive where the road rises to the left, within ±π/2 [rad].
+    /// Bank, positive where the road rises to the left, within ±π/2 \[rad\].
     pub bank_rad: Lanes,
     /// Wind from ahead [m/s].
     pub headwind_mps: Lanes,
@@ -70,7 +72,7 @@ pub struct PlantBlock {
     pub yaw_rate_radps: Lanes,
     /// Wheel speeds ω, one column per wheel [rad/s].
     pub wheel_speed_radps: [Lanes; 4],
-    /// ∫V_x dt since [`PlantBlock::reset_distance`] [m].
+    /// ∫V_x dt since [`PlantBlock::reset_distance`] \[m\].
     pub distance_m: Lanes,
     /// Mean accelerations a_x, a_y of the body over the last substep, which shift the wheel loads [m/s²].
     pub acceleration_mps2: [Lanes; 2],
@@ -239,122 +241,3 @@ pub static PLANTS: &[Entry<BuildPlant>] = &[
         build: |_| Box::new(point_mass::PointMass),
     },
 ];
-
-/// Vector instructions that a block can be advanced with. All give the same bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InstructionSet {
-    /// What every processor of the architecture has.
-    Baseline,
-    /// AVX2.
-    Avx2,
-    /// AVX-512.
-    Avx512,
-}
-
-impl InstructionSet {
-    /// The sets that this machine has, best first.
-    pub fn available() -> Vec<Self> {
-        let mut sets = vec![Self::Baseline];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-                sets.push(Self::Avx2);
-            }
-            let wide = std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl");
-            if wide && std::is_x86_feature_detected!("avx512dq") && std::is_x86_feature_detected!("avx512bw") {
-                sets.push(Self::Avx512);
-            }
-        }
-        sets.reverse();
-        sets
-    }
-}
-
-/// The 7-DoF model of [`seven_dof`], integrated by [`integrator`].
-#[derive(Debug, Clone, Copy)]
-pub struct SevenDof {
-    substep_s: f64,
-    set: InstructionSet,
-}
-
-impl SevenDof {
-    /// With substeps of at most `substep_s` and the best instruction set of this machine.
-    pub fn new(substep_s: f64) -> Self {
-        Self { substep_s, set: InstructionSet::available()[0] }
-    }
-
-    /// With a chosen instruction set; one that the machine lacks falls back to the baseline.
-    pub fn with_instruction_set(substep_s: f64, set: InstructionSet) -> Self {
-        Self { substep_s, set }
-    }
-
-    /// The same by the `libm` crate, one slot at a time: the oracle of the vector code.
-    pub fn advance_scalar(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
-        let (count, h) = self.substeps(period_s);
-        for lane in (0..LANES).filter(|&lane| moving[lane] > 0.0) {
-            let (car, drive) = acting::<Libm>(block, inputs, lane);
-            let mut moment = block.moment(lane);
-            for _ in 0..count {
-                moment = substep::<Libm>(&car, &drive, &moment, h);
-            }
-            block.put(lane, &moment, 1.0);
-        }
-    }
-
-    /// Number and length of the substeps of one period. A period that is a multiple up to rounding counts as one.
-    fn substeps(&self, period_s: f64) -> (usize, f64) {
-        let count = (period_s / self.substep_s - 1e-9).ceil().max(1.0);
-        (count as usize, period_s / count)
-    }
-}
-
-impl Plant for SevenDof {
-    fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
-        let (count, h) = self.substeps(period_s);
-        for _ in 0..count {
-            match self.set {
-                InstructionSet::Baseline => advance_baseline(block, inputs, moving, h),
-                InstructionSet::Avx2 => advance_avx2(block, inputs, moving, h),
-                InstructionSet::Avx512 => advance_avx512(block, inputs, moving, h),
-            }
-        }
-    }
-}
-
-/// The vehicle in a lane and what acts on it.
-#[inline(always)]
-fn acting<T: Trig>(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
-    let car = Car::pick(&block.cars, lane);
-    let drive = Drive::new::<T>(
-        &car,
-        inputs.torque_nm[lane],
-        inputs.steer_rad[lane],
-        inputs.grade_rad[lane],
-        inputs.bank_rad[lane],
-        inputs.headwind_mps[lane],
-    );
-    (car, drive)
-}
-
-#[inline(always)]
-fn advance_lanes(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    for lane in 0..LANES {
-        let (car, drive) = acting::<Polynomial>(block, inputs, lane);
-        let next = substep::<Polynomial>(&car, &drive, &block.moment(lane), h);
-        block.put(lane, &next, moving[lane]);
-    }
-}
-
-fn advance_baseline(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
-}
-
-#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
-fn advance_avx2(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
-}
-
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
-fn advance_avx512(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
-}

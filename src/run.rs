@@ -294,12 +294,7 @@ impl<'a> Run<'a> {
     }
 
     /// Writes the result: tables, summary, manifest.
-    fn write(
-        &mut self,
-        state: State,
-        writers: Writers,
-        broken: Option<String>,
-    ) -> Result<RunResult, RunError> {
+    fn write(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
         let interrupted = self.signal();
         let reason = broken.or(interrupted.map(|s| format!("ended by a signal ({s:?})")));
         self.notes.extend(outcome::notes(&state));

@@ -43,7 +43,7 @@ pub struct Scenario {
     pub groups: Vec<Group>,
     /// The vehicle model.
     pub plant: Choice,
-    /// Control period [s].
+    /// Control period \[s\].
     pub control_period_s: f64,
     /// Between SUMO and the fleet.
     pub coupling: Coupling,
@@ -62,9 +62,9 @@ pub struct Scenario {
 pub struct SumoSetup {
     /// What SUMO loads.
     pub source: Source,
-    /// SUMO's step [s].
+    /// SUMO's step \[s\].
     pub step_length_s: f64,
-    /// Simulation time at which the run ends [s]; `None` = as the configuration says.
+    /// Simulation time at which the run ends \[s\]; `None` = as the configuration says.
     pub end_s: Option<f64>,
     /// Seed of SUMO and of everything drawn here.
     pub seed: u64,
@@ -140,9 +140,9 @@ pub struct Vehicle {
 /// What lies between command and torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Actuator {
-    /// Dead time [s].
+    /// Dead time \[s\].
     pub delay_s: Quantity,
-    /// Time constant of the lag behind it [s].
+    /// Time constant of the lag behind it \[s\].
     pub lag_s: Quantity,
 }
 
@@ -167,7 +167,7 @@ pub struct Output {
     pub vehicles: String,
     /// Whose trajectories are traced.
     pub trace: Trace,
-    /// Time between two rows of the trace [s]; `None` = SUMO's step.
+    /// Time between two rows of the trace \[s\]; `None` = SUMO's step.
     pub trace_period_s: Option<f64>,
     /// The trace; its suffix chooses the format.
     pub trace_file: String,
@@ -211,3 +211,6 @@ impl Scenario {
         self.groups.iter().position(|g| g.select.matches(ego, self.sumo.seed)).unwrap_or(last)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -69,8 +69,9 @@ pub fn parameter_names(key: &Key) -> Vec<String> {
 /// The preset for a vClass; `None` for what has no four wheels.
 pub fn preset_of_class(class: &str) -> Option<&'static str> {
     match class {
-        "motorcycle" | "moped" | "bicycle" | "scooter" | "pedestrian" | "wheelchair" | "tram" | "rail_urban" | "rail"
-        | "rail_electric" | "rail_fast" | "subway" | "cable_car" | "ship" | "container" | "aircraft" | "drone" => None,
+        "motorcycle" | "moped" | "bicycle" | "scooter" | "pedestrian" | "wheelchair" | "tram" | "rail_urban"
+        | "rail" | "rail_electric" | "rail_fast" | "subway" | "cable_car" | "ship" | "container" | "aircraft"
+        | "drone" => None,
         "delivery" => Some("van"),
         "bus" | "coach" => Some("bus"),
         "truck" | "trailer" => Some("truck"),
@@ -113,7 +114,8 @@ pub fn vehicle(
     };
     body.apply(&given);
     let noise = group.noise_power_db.map(|db| (Stream::new(seed, "noise", id), libm::pow(10.0, db / 20.0)));
-    Ok(VehicleSetup { body, nominal_nm_per_mps2, actuator, noise, speed_mps })
+    let accel_mps2 = facts.accel_mps2;
+    Ok(VehicleSetup { body, nominal_nm_per_mps2, actuator, accel_mps2, noise, speed_mps })
 }
 
 /// A bus or truck of another mass and length than the preset's: axles move with the length, inertia with both, and the
@@ -191,8 +193,7 @@ mod tests {
     fn a_heavier_longer_bus_keeps_its_strength_per_mass() {
         let mut bus = (find("body", BODIES, "bus").unwrap().build)();
         let before = bus.clone();
-        let facts =
-            TypeFacts { length_m: 18.0, mass_kg: Some(2.0 * before.mass_kg), ..TypeFacts::default() };
+        let facts = TypeFacts { length_m: 18.0, mass_kg: Some(2.0 * before.mass_kg), ..TypeFacts::default() };
         scale(&mut bus, &facts);
         assert_eq!(bus.mass_kg, 2.0 * before.mass_kg);
         assert!((bus.wheelbase_m() - 9.0).abs() < 1e-9);

@@ -7,8 +7,8 @@
 use super::bodies::{self, TypeFacts, parameter_keys, parameter_names, preset_of_class};
 use super::book::{Before, Ego, EgoKey, Lead, Presence};
 use super::{CosimError, World};
-use crate::reference::Target;
 use crate::random::Stream;
+use crate::reference::Target;
 use crate::scenario::EgoInfo;
 use crate::traci::{Batch, Handle, Prefix, Reply, vehicle, vehicletype};
 use std::collections::HashMap;

@@ -13,6 +13,9 @@ use crate::stats::{Sample, StatsBlock, StepSample, Sums, VehicleStats};
 /// Slower than this and wanted at rest: the brake holds and all states are exactly 0 [m/s].
 pub const HOLD_BELOW_MPS: f64 = 0.05;
 
+/// From this share of accel on, SUMO's demand counts as all that the driver gives.
+const DRIVER_LIMIT: f64 = 0.999;
+
 /// Where the reference of a step comes from.
 #[derive(Clone, Copy)]
 pub enum Follow<'a> {
@@ -61,6 +64,9 @@ pub struct Block {
     stats: StatsBlock,
     command: Command,
     nominal_nm_per_mps2: Lanes,
+    /// What counts as all that the driver gives: a little less than the vType's accel.
+    accel_mps2: Lanes,
+    last_target_mps: Lanes,
     occupied: Flags,
     /// 1 = on the road; 0 = free, or teleporting.
     present: Flags,
@@ -90,6 +96,8 @@ impl Block {
             stats: StatsBlock::new(period_s),
             command: Command::default(),
             nominal_nm_per_mps2: [1.0; LANES],
+            accel_mps2: [f64::INFINITY; LANES],
+            last_target_mps: [f64::NAN; LANES],
             occupied: [0.0; LANES],
             present: [0.0; LANES],
             held: [0.0; LANES],
@@ -123,6 +131,7 @@ impl Block {
     pub(super) fn admit(&mut self, lane: usize, vehicle: VehicleSetup) {
         let body = &vehicle.body;
         self.nominal_nm_per_mps2[lane] = vehicle.nominal_nm_per_mps2;
+        self.accel_mps2[lane] = vehicle.accel_mps2 * DRIVER_LIMIT;
         let actuator = vehicle.actuator;
         self.actuators.set(
             lane,
@@ -131,7 +140,12 @@ impl Block {
             body.drive_torque_max_nm,
             body.brake_torque_max_nm,
         );
-        self.steering.set(lane, body.wheelbase_m(), body.understeer_gradient(), body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b)));
+        self.steering.set(
+            lane,
+            body.wheelbase_m(),
+            body.understeer_gradient(),
+            body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b)),
+        );
         self.plant.set_body(lane, body);
         let (stream, sigma_mps) = vehicle.noise.map_or((None, 0.0), |(stream, sigma)| (Some(stream), sigma));
         self.measurement.set(lane, stream, sigma_mps);
@@ -154,6 +168,7 @@ impl Block {
         self.stats.rejoin(lane, speed_mps);
         self.held[lane] = 0.0;
         self.target_mps[lane] = speed_mps;
+        self.last_target_mps[lane] = f64::NAN;
         self.reference_mps[lane] = speed_mps;
         self.measured_mps[lane] = speed_mps;
         self.acceleration_mps2[lane] = 0.0;
@@ -297,9 +312,12 @@ impl Block {
         self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - before_mps[i]) / step_s);
     }
 
-    /// The reference is the ramp from its own last value, kept near the plant, with the acceleration that SUMO asked
-    /// of the plant: y_r(τ) = y_r0 + a*τ, a* = (v* − V)/dt. Without that memory a sluggish controller's error would
-    /// be forgotten in every step.
+    /// The reference is a ramp from its own last value, kept near the plant. SUMO asks for a* = (v* − V)/dt of the
+    /// plant. While the driver accelerates as hard as he ever does, and while he brakes for something, v* is V plus what
+    /// he wants to add, and the ramp is y_r(τ) = y_r0 + a*τ: without that memory a sluggish controller's error would be
+    /// forgotten in every step and show up as lost acceleration. On a plateau (v* has not changed, or is nearer than
+    /// accel reaches) v* is the speed that is wanted, and the ramp ends there: to go on adding v* − V would integrate
+    /// the error, and a plant with dead time would swing about a constant v* for ever.
     fn step_traffic(&mut self, clockwork: &Clockwork, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
         let mut start_mps = [0.0; LANES];
         let mut rate_mps2 = [0.0; LANES];
@@ -308,7 +326,10 @@ impl Block {
             let (low, high) = (before_mps[i] - clockwork.lead_mps, before_mps[i] + clockwork.lead_mps);
             start_mps[i] = self.reference_mps[i].max(low).min(high);
             lead_limited[i] = if start_mps[i] == self.reference_mps[i] { 0.0 } else { 1.0 };
-            rate_mps2[i] = (self.target_mps[i] - before_mps[i]) / step_s;
+            let asked_mps2 = (self.target_mps[i] - before_mps[i]) / step_s;
+            let same = self.target_mps[i] == self.last_target_mps[i];
+            let plateau = same || (asked_mps2 >= 0.0 && asked_mps2 < self.accel_mps2[i]);
+            rate_mps2[i] = if plateau { (self.target_mps[i] - start_mps[i]) / step_s } else { asked_mps2 };
         }
         let rest = self.target_mps.map(|v| if v == 0.0 { 1.0 } else { 0.0 });
         self.held = std::array::from_fn(|i| self.held[i] * rest[i]);
@@ -327,6 +348,7 @@ impl Block {
                 self.reference_mps[i] = self.target_mps[i];
             }
         }
+        self.last_target_mps = self.target_mps;
         lead_limited
     }
 

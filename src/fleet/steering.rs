@@ -73,8 +73,8 @@ impl Steering {
             return false;
         }
         let turn = wrap(heading_rad - before);
-        let filtered = self.from_per_m[lane]
-            + driven_m / (SMOOTHING_M + driven_m) * (turn / driven_m - self.from_per_m[lane]);
+        let filtered =
+            self.from_per_m[lane] + driven_m / (SMOOTHING_M + driven_m) * (turn / driven_m - self.from_per_m[lane]);
         let limit = self.lateral_max_mps2[lane] / (speed_mps * speed_mps);
         self.to_per_m[lane] = filtered.clamp(-limit, limit);
         filtered.abs() > limit
@@ -94,7 +94,8 @@ impl Steering {
             // The step's curvature was limited at its end; the speed inside the step may be higher.
             let limit = self.lateral_max_mps2[lane] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
             let kappa = curvature.min(limit).max(-limit);
-            out[lane] = Polynomial::atan(self.wheelbase_m[lane] * kappa) + self.understeer_s2_per_m[lane] * square * kappa;
+            out[lane] =
+                Polynomial::atan(self.wheelbase_m[lane] * kappa) + self.understeer_s2_per_m[lane] * square * kappa;
         }
     }
 }

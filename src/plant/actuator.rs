@@ -59,7 +59,7 @@ impl Actuators {
         }
     }
 
-    /// Sets dead time [s], lag time constant [s] and torque limits (sums over the wheels, both positive) [N·m] of a slot
+    /// Sets dead time \[s\], lag time constant \[s\] and torque limits (sums over the wheels, both positive) [N·m] of a slot
     /// and forgets its past. A dead time beyond the capacity is shortened to it.
     pub fn set(&mut self, slot: usize, dead_time_s: f64, lag_s: f64, drive_max_nm: f64, brake_max_nm: f64) {
         let periods = (dead_time_s / self.period_s).clamp(0.0, (self.torque_ring.len() - 2) as f64);
@@ -111,5 +111,96 @@ impl Actuators {
         out.torque_nm = self.torque;
         out.applied = self.product;
         out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAIN: Lanes = [2.0; LANES];
+
+    /// Torques and products on slot 0 for a sequence of requests.
+    fn respond(actuators: &mut Actuators, torques: &[f64]) -> Vec<(f64, f64)> {
+        let act = |&t: &f64| {
+            let out = actuators.step(&[t; LANES], &GAIN);
+            (out.torque_nm[0], out.applied[0])
+        };
+        torques.iter().map(act).collect()
+    }
+
+    #[test]
+    fn without_settings_torque_passes_at_once() {
+        let mut actuators = Actuators::new(0.01, 0.0);
+        assert_eq!(respond(&mut actuators, &[1.0, -3.0]), [(1.0, 2.0), (-3.0, -6.0)]);
+    }
+
+    #[test]
+    fn dead_time_of_whole_periods_is_exact() {
+        let mut actuators = Actuators::new(0.01, 0.25);
+        actuators.set(0, 0.07, 0.0, 1e9, 1e9);
+        let answer = respond(&mut actuators, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        assert_eq!(answer.iter().map(|a| a.0).collect::<Vec<_>>(), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0]);
+        assert!(answer.iter().all(|a| a.1 == 2.0 * a.0));
+        // The largest dead time that was asked for fits, a larger one is shortened to it.
+        actuators.set(0, 9.0, 0.0, 1e9, 1e9);
+        let late = respond(&mut actuators, &[1.0; 30]);
+        assert_eq!(late.iter().filter(|a| a.0 == 0.0).count(), 25);
+    }
+
+    #[test]
+    fn dead_time_between_periods_interpolates() {
+        let mut actuators = Actuators::new(0.01, 0.1);
+        actuators.set(0, 0.0125, 0.0, 1e9, 1e9);
+        let ramp: Vec<f64> = (1..20).map(f64::from).collect();
+        for (asked, (torque, _)) in ramp.iter().zip(respond(&mut actuators, &ramp)).skip(3) {
+            assert!((torque - (asked - 1.25)).abs() < 1e-12, "{torque} for {asked}");
+        }
+    }
+
+    #[test]
+    fn law_lag_is_the_exact_first_order_answer_to_a_step() {
+        let mut actuators = Actuators::new(0.01, 0.0);
+        actuators.set(0, 0.0, 0.2, 1e9, 1e9);
+        for (k, (torque, product)) in respond(&mut actuators, &[100.0; 300]).into_iter().enumerate() {
+            let expected = 100.0 * (1.0 - libm::exp(-(k as f64 + 1.0) * 0.01 / 0.2));
+            assert!((torque - expected).abs() < 1e-10 && (product - 2.0 * expected).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn limits_come_before_the_dead_time_and_count_as_saturation() {
+        let mut actuators = Actuators::new(0.01, 0.0);
+        actuators.set(0, 0.0, 0.0, 100.0, 300.0);
+        let out = actuators.step(&[500.0; LANES], &GAIN);
+        assert_eq!(
+            (out.torque_nm[0], out.commanded[0], out.saturated[0], out.applied[0]),
+            (100.0, 1000.0, 200.0, 200.0)
+        );
+        assert_eq!(actuators.step(&[-500.0; LANES], &GAIN).torque_nm[0], -300.0);
+        assert_eq!(out.torque_nm[1], 500.0, "another slot has no limits");
+    }
+
+    #[test]
+    fn a_delayed_product_keeps_the_gain_of_its_own_time() {
+        let mut actuators = Actuators::new(0.01, 0.02);
+        actuators.set(0, 0.02, 0.0, 1e9, 1e9);
+        actuators.step(&[10.0; LANES], &[3.0; LANES]);
+        actuators.step(&[20.0; LANES], &[5.0; LANES]);
+        let out = actuators.step(&[30.0; LANES], &[7.0; LANES]);
+        assert_eq!((out.torque_nm[0], out.applied[0], out.commanded[0]), (10.0, 30.0, 210.0));
+    }
+
+    #[test]
+    fn reset_forgets_one_slot_only() {
+        let mut actuators = Actuators::new(0.01, 0.03);
+        for slot in [0, 1] {
+            actuators.set(slot, 0.03, 0.1, 1e9, 1e9);
+        }
+        respond(&mut actuators, &[50.0; 10]);
+        actuators.reset(0);
+        let out = actuators.step(&[0.0; LANES], &GAIN);
+        assert_eq!(out.torque_nm[0], 0.0);
+        assert!(out.torque_nm[1] > 0.0);
     }
 }

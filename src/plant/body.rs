@@ -13,17 +13,17 @@ pub const AIR_DENSITY_KGPM3: f64 = 1.225;
 /// Constants of one vehicle. Wheels are ordered front left, front right, rear left, rear right.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Mass M [kg].
+    /// Mass M \[kg\].
     pub mass_kg: f64,
     /// Yaw inertia I_z [kg·m²].
     pub yaw_inertia_kgm2: f64,
-    /// Centre of gravity to front axle l_f [m].
+    /// Centre of gravity to front axle l_f \[m\].
     pub front_axle_m: f64,
-    /// Centre of gravity to rear axle l_r [m].
+    /// Centre of gravity to rear axle l_r \[m\].
     pub rear_axle_m: f64,
-    /// Track width w [m]; 0 is the paper's model, whose yaw equation knows no left and right.
+    /// Track width w \[m\]; 0 is the paper's model, whose yaw equation knows no left and right.
     pub track_width_m: f64,
-    /// Effective wheel radius r [m].
+    /// Effective wheel radius r \[m\].
     pub wheel_radius_m: f64,
     /// Inertia I_r of each wheel [kg·m²].
     pub wheel_inertia_kgm2: f64,
@@ -43,18 +43,18 @@ pub struct Body {
     pub drive_torque_max_nm: f64,
     /// Largest braking torque, sum over the wheels [N·m].
     pub brake_torque_max_nm: f64,
-    /// Drag area C_d·A [m²]; 0 is the paper's model.
+    /// Drag area C_d·A \[m²\]; 0 is the paper's model.
     pub drag_area_m2: f64,
     /// Rolling resistance coefficient [-]; 0 is the paper's model.
     pub rolling_resistance: f64,
-    /// Height of the centre of gravity for quasi-static load transfer [m]; 0 is the paper's model.
+    /// Height of the centre of gravity for quasi-static load transfer \[m\]; 0 is the paper's model.
     pub cg_height_m: f64,
     /// Friction ellipse: longitudinal force costs lateral force. Off in the paper's model.
     pub combined_slip: bool,
 }
 
 impl Body {
-    /// Wheelbase L = l_f + l_r [m].
+    /// Wheelbase L = l_f + l_r \[m\].
     pub fn wheelbase_m(&self) -> f64 {
         self.front_axle_m + self.rear_axle_m
     }
@@ -64,7 +64,7 @@ impl Body {
         self.mass_kg * self.wheel_radius_m
     }
 
-    /// Mass that a torque has to accelerate, M + ΣI_r/r² [kg].
+    /// Mass that a torque has to accelerate, M + ΣI_r/r² \[kg\].
     pub fn effective_mass_kg(&self) -> f64 {
         self.mass_kg + 4.0 * self.wheel_inertia_kgm2 / (self.wheel_radius_m * self.wheel_radius_m)
     }
@@ -86,7 +86,7 @@ impl Body {
         self.brake_torque_max_nm = self.brake_torque_max_nm.max(scale * decel_mps2);
     }
 
-    /// Static load F_z of each wheel on a flat road [N].
+    /// Static load F_z of each wheel on a flat road \[N\].
     pub fn static_load_n(&self) -> [f64; 4] {
         let half = 0.5 * self.mass_kg * GRAVITY_MPS2 / self.wheelbase_m();
         let (front, rear) = (half * self.rear_axle_m, half * self.front_axle_m);
@@ -295,7 +295,7 @@ fn van() -> Body {
         lateral: [Tyre { b: 8.0, c: 1.5, e: 0.3 }; 2],
         friction: [0.98; 4],
         drive_front_share: 0.0,
-        brake_front_share: 0.55,
+        brake_front_share: 0.52,
         drive_torque_max_nm: 0.0,
         brake_torque_max_nm: 0.0,
         ..car()

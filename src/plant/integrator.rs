@@ -28,8 +28,8 @@ const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Below this speed a braked vehicle that moves no other way is held at exact rest [m/s].
 pub const HOLD_MPS: f64 = 0.001;
 
-/// Fastest sideways speed [m/s] and yaw rate [rad/s] that count as not moving any other way.
-const HOLD_SIDEWAYS: f64 = 0.1;
+/// Fastest sideways speed and wheel rim [m/s] and yaw rate [rad/s] that count as not moving any other way.
+const HOLD_OTHERWISE: f64 = 0.1;
 
 /// What a substep hands on to the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,7 @@ pub struct Moment {
     pub x: Vector,
     /// Accelerations a_x, a_y of the body for the load transfer of the next substep [m/s²].
     pub acceleration: [f64; 2],
-    /// ∫V_x dt [m].
+    /// ∫V_x dt \[m\].
     pub distance: f64,
 }
 
@@ -105,7 +105,10 @@ pub fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> (
 fn hold(car: &Car, drive: &Drive, x: &Vector, mut next: Vector) -> Vector {
     let brake = 2.0 * (drive.brake[0] + drive.brake[1]);
     let crossed = (next[0] * x[0] < 0.0) | (next[0].abs() <= HOLD_MPS);
-    let quiet = (next[1].abs() <= HOLD_SIDEWAYS) & (next[2].abs() <= HOLD_SIDEWAYS);
+    let mut quiet = (next[1].abs() <= HOLD_OTHERWISE) & (next[2].abs() <= HOLD_OTHERWISE);
+    for speed in &next[3..] {
+        quiet &= (car.radius * speed).abs() <= HOLD_OTHERWISE;
+    }
     let mut still = next;
     still[0] = 0.0;
     let pull = road_forces(car, drive, &still)[0].abs() * car.radius;
@@ -141,8 +144,7 @@ impl System {
             let slope = h * forces.along[wheel].slope;
             // γ of this wheel, (q − 1)/x; a wheel that its brake holds leaves the stiffness to the body.
             let stiff = slope * per_inertia * car.radius;
-            let root = (2.0 * stiff * stiff + 4.0 * stiff + 12.0).sqrt();
-            let gamma = choose(free[wheel] > 0.0, (0.5 * root - 1.0) / (root + stiff), GAMMA);
+            let gamma = choose(free[wheel] > 0.0, fitted_gamma(stiff), GAMMA);
             let c = gamma * slope;
             let turn = free[wheel] * per_inertia * c;
             relief[wheel] = 1.0 / (1.0 + turn * car.radius);
@@ -191,6 +193,13 @@ impl System {
     }
 }
 
+/// (q − 1)/x of the head of this file.
+#[inline(always)]
+fn fitted_gamma(x: f64) -> f64 {
+    let root = (2.0 * x * x + 4.0 * x + 12.0).sqrt();
+    (0.5 * root - 1.0) / (root + x)
+}
+
 #[inline(always)]
 fn rank_one(s: &mut [[f64; 3]; 3], axis: [f64; 3], weight: f64) {
     for i in 0..3 {
@@ -213,4 +222,38 @@ fn factorise(mut s: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
     s[2][2] -= s[2][0] * s[0][2] + s[2][1] * s[1][2];
     s[2][2] = 1.0 / s[2][2];
     s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_slip_dies_out_as_it_should() {
+        for k in 1..100_000 {
+            let x = 0.005 * f64::from(k);
+            let q = 1.0 + x * fitted_gamma(x);
+            let factor = 1.0 - 2.0 * x / q + (0.5 * x * x + x) / (q * q);
+            assert!((factor - libm::exp(-x)).abs() < 0.0082, "{x}: {factor}");
+        }
+    }
+
+    #[test]
+    fn law_the_factors_solve_the_system() {
+        let s = [[5.0, -1.0, 0.5], [2.0, 7.0, 3.0], [0.5, -3.0, 9.0]];
+        let system = System {
+            mass: [1.0; 3],
+            relief: [1.0; 4],
+            coupling: [0.0; 4],
+            lift: [0.0; 4],
+            axis: [[0.0; 3]; 4],
+            lu: factorise(s),
+        };
+        let right = [1.0, -2.0, 3.0];
+        let b = system.solve(&[right[0], right[1], right[2], 0.0, 0.0, 0.0, 0.0]);
+        for (row, want) in s.iter().zip(right) {
+            let got = row[0] * b[0] + row[1] * b[1] + row[2] * b[2];
+            assert!((got - want).abs() < 1e-14, "{got} against {want}");
+        }
+    }
 }

@@ -33,15 +33,15 @@ pub type Vector = [f64; 7];
 /// The constants of one vehicle as the equations use them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Car {
-    /// M [kg].
+    /// M \[kg\].
     pub mass: f64,
     /// I_z [kg·m²].
     pub yaw_inertia: f64,
-    /// l_f, −l_r: x of the axles [m].
+    /// l_f, −l_r: x of the axles \[m\].
     pub axle_x: [f64; 2],
-    /// w/2 [m].
+    /// w/2 \[m\].
     pub half_track: f64,
-    /// r [m].
+    /// r \[m\].
     pub radius: f64,
     /// I_r [kg·m²].
     pub wheel_inertia: f64,
@@ -51,7 +51,7 @@ pub struct Car {
     pub lateral: [Tyre; 2],
     /// μ of the wheels.
     pub friction: [f64; 4],
-    /// Static F_z of one front and one rear wheel [N].
+    /// Static F_z of one front and one rear wheel \[N\].
     pub load: [f64; 2],
     /// Load that moves from each front to each rear wheel per a_x [N per m/s²].
     pub pitch_transfer: f64,
@@ -63,7 +63,7 @@ pub struct Car {
     pub brake_share: [f64; 2],
     /// ρ C_d A/2 [N per (m/s)²].
     pub drag: f64,
-    /// Rolling resistance f_R·M·g [N].
+    /// Rolling resistance f_R·M·g \[N\].
     pub rolling: f64,
     /// 1 with the friction ellipse, 0 without.
     pub ellipse: f64,
@@ -158,7 +158,7 @@ pub struct Drive {
     pub motor: [f64; 2],
     /// Braking torque on one front, one rear wheel, ≥ 0 [N·m].
     pub brake: [f64; 2],
-    /// Gravity along x and y on grade and bank [N].
+    /// Gravity along x and y on grade and bank [m/s²].
     pub gravity: [f64; 2],
     /// Gravity's share across the road, cos(grade)·cos(bank).
     pub load_scale: f64,
@@ -169,7 +169,7 @@ pub struct Drive {
 impl Drive {
     /// Splits the torque C_T over the axles and turns the angles of the road into forces.
     ///
-    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2 [rad].
+    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2 \[rad\].
     #[inline(always)]
     pub fn new<T: Trig>(car: &Car, torque: f64, steer: f64, grade: f64, bank: f64, headwind: f64) -> Self {
         let motor = larger(torque, 0.0);
@@ -177,27 +177,27 @@ impl Drive {
         let (sin_steer, sin_grade, sin_bank) = (T::sin(steer), T::sin(grade), T::sin(bank));
         // By the square root, cos 0 is exactly 1.
         let cosine = |sine: f64| (1.0 - sine * sine).sqrt();
-        let weight = car.mass * GRAVITY_MPS2;
         Self {
             steer: [cosine(sin_steer), sin_steer],
             motor: car.drive_share.map(|share| share * motor),
             brake: car.brake_share.map(|share| share * brake),
-            gravity: [-weight * sin_grade, -weight * sin_bank * cosine(sin_grade)],
+            gravity: [-GRAVITY_MPS2 * sin_grade, -GRAVITY_MPS2 * sin_bank * cosine(sin_grade)],
             load_scale: cosine(sin_grade) * cosine(sin_bank),
             headwind,
         }
     }
 }
 
-/// Peak force D_i = μ_i F_z,i of the wheels [N] with the load transfer of the accelerations (a_x, a_y) [m/s²].
+/// Peak force D_i = μ_i F_z,i of the wheels \[N\] with the load transfer of the accelerations (a_x, a_y) and of gravity
+/// on grade and bank [m/s²].
 #[inline(always)]
 pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
-    let pitch = car.pitch_transfer * acceleration[0];
+    let pitch = car.pitch_transfer * (acceleration[0] - drive.gravity[0]);
     let mut peak = [0.0; 4];
     for (wheel, peak) in peak.iter_mut().enumerate() {
         let axle = wheel / 2;
         let static_load = car.load[axle] * drive.load_scale;
-        let roll = car.roll_transfer[axle] * acceleration[1];
+        let roll = car.roll_transfer[axle] * (acceleration[1] - drive.gravity[1]);
         let load =
             static_load + if axle == 0 { -pitch } else { pitch } + if wheel.is_multiple_of(2) { -roll } else { roll };
         *peak = car.friction[wheel] * larger(load, 0.0);
@@ -208,7 +208,7 @@ pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
 /// A tyre force, and what an implicit step wants to know about it.
 #[derive(Debug, Clone, Copy)]
 pub struct Force {
-    /// The force in tyre axes [N].
+    /// The force in tyre axes \[N\].
     pub force: f64,
     /// Its chord over the slip speed that causes it, ≥ 0 [N per m/s].
     pub slope: f64,
@@ -316,12 +316,12 @@ fn chord(force: f64, speed: f64, stiffness: f64) -> f64 {
     larger(choose(speed.abs() > 1e-7, force / speed, stiffness), 0.0)
 }
 
-/// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y [N].
+/// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y \[N\].
 #[inline(always)]
 pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
     let wind = x[0] + drive.headwind;
     let rolling = car.rolling * within_one(x[0] / FLOOR_MPS);
-    [drive.gravity[0] - car.drag * wind * wind.abs() - rolling, drive.gravity[1]]
+    [car.mass * drive.gravity[0] - car.drag * wind * wind.abs() - rolling, car.mass * drive.gravity[1]]
 }
 
 /// Sums the right-hand sides of the four equations in the head of this file; `torque` is C_mi − C_fi of the wheels and
@@ -350,4 +350,72 @@ pub fn rates(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, torque: &[f6
         dx[3 + wheel] = free[wheel] * (torque[wheel] - car.radius * forces.along[wheel].force) / car.wheel_inertia;
     }
     dx
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::body::BODIES;
+    use super::super::trig::Libm;
+    use super::*;
+    use crate::lanes::LANES;
+
+    fn every_car() -> impl Iterator<Item = Car> {
+        BODIES.iter().map(|entry| {
+            let mut body = (entry.build)();
+            (body.track_width_m, body.cg_height_m) = (1.5, 0.5);
+            (body.drag_area_m2, body.rolling_resistance) = (0.7, 0.01);
+            body.friction = [0.1, 0.2, 0.3, 0.4];
+            body.combined_slip = true;
+            Car::new(&body)
+        })
+    }
+
+    #[test]
+    fn law_a_car_survives_its_columns() {
+        for (lane, car) in every_car().enumerate() {
+            let mut columns = [[f64::NAN; LANES]; CAR_COLUMNS];
+            car.put(&mut columns, lane);
+            assert_eq!(Car::pick(&columns, lane), car);
+            assert!(columns.iter().flatten().filter(|value| !value.is_nan()).count() == CAR_COLUMNS);
+        }
+    }
+
+    #[test]
+    fn law_slip_is_the_papers_two_formulas() {
+        let car = Car::new(&(BODIES[0].build)());
+        let drive = Drive::new::<Libm>(&car, 0.0, 0.0, 0.0, 0.0, 0.0);
+        for (v, rim) in [(10.0, 11.0), (10.0, 9.0), (10.0, 0.0), (0.5, 30.0), (10.0, -1.0), (-5.0, 4.0), (-5.0, -6.0)] {
+            let w = rim / car.radius;
+            let x = [v, 0.0, 0.0, w, w, w, w];
+            let got = tyre_forces::<Libm>(&car, &drive, &[1.0; 4], &x).along[2].slip;
+            let propulsion = rim.abs() > f64::abs(v);
+            let expected: f64 = (rim - v) / if propulsion { rim.abs() } else { f64::abs(v) };
+            assert!((got - expected.clamp(-1.0, 1.0)).abs() < 1e-12, "{v} m/s, rim {rim} m/s: {got}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn law_slip_angles_are_those_of_the_velocity_triangle() {
+        let car = Car::new(&(BODIES[0].build)());
+        for (vx, vy, yaw, steer) in [(10.0, 0.3, 0.2, 0.05), (25.0, -1.0, 0.4, -0.1), (3.0, 0.5, 0.5, 0.3)] {
+            let drive = Drive::new::<Libm>(&car, 0.0, steer, 0.0, 0.0, 0.0);
+            let forces = tyre_forces::<Libm>(&car, &drive, &[1.0; 4], &[vx, vy, yaw, 0.0, 0.0, 0.0, 0.0]);
+            let front = steer - libm::atan2(vy + car.axle_x[0] * yaw, vx);
+            let rear = -libm::atan2(vy + car.axle_x[1] * yaw, vx);
+            assert!((forces.across[0].slip - front).abs() < 1e-12 && (forces.across[1].slip - rear).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn law_load_transfer_moves_load_and_makes_none() {
+        for car in every_car() {
+            let mut even = car;
+            even.friction = [1.0; 4];
+            let drive = Drive::new::<Libm>(&even, 0.0, 0.0, 0.0, 0.0, 0.0);
+            let [fl, fr, rl, rr] = peaks(&even, &drive, [2.0, 1.0]);
+            assert!(((fl + fr + rl + rr) / (even.mass * GRAVITY_MPS2) - 1.0).abs() < 1e-12);
+            // Speeding up and turning left loads the rear and the right.
+            assert!(rl + rr > 2.0 * even.load[1] && fr > fl && rr > rl);
+        }
+    }
 }

@@ -16,7 +16,7 @@ pub struct Tyre {
 }
 
 impl Tyre {
-    /// F/D = sin(C·atan(Bτ − E(Bτ − atan(Bτ)))) for slip ratio τ [-] or slip angle [rad].
+    /// F/D = sin(C·atan(Bτ − E(Bτ − atan(Bτ)))) for slip ratio τ [-] or slip angle \[rad\].
     #[inline(always)]
     pub fn shape<T: Trig>(&self, slip: f64) -> f64 {
         let bt = self.b * slip;
@@ -39,7 +39,7 @@ impl Tyre {
 pub struct Identified {
     /// Shape constants.
     pub tyre: Tyre,
-    /// Peak force D [N].
+    /// Peak force D \[N\].
     pub peak_n: f64,
 }
 
@@ -81,8 +81,8 @@ pub fn read_curve(text: &str) -> Result<Vec<(f64, f64)>, TyreError> {
 /// initial slope BCD, E = (Bτ_m − tan(π/2C))/(Bτ_m − atan(Bτ_m)) with τ_m the slip of the peak.
 ///
 /// `curve` holds (slip, force \[N\]) of the driving branch in any order. The peak is refined by a parabola through its
-/// neighbours, the slope is a least-squares fit. A curve ends before its asymptote (a slip ratio at 1), so that y_s is
-/// first taken from its last point and then corrected by what the resulting tyre misses there.
+/// neighbours, the slope is a least-squares fit. A measured curve ends before its asymptote (a slip ratio at 1); y_s is
+/// the one whose tyre lies nearest to all measured points (least squares).
 ///
 /// # Errors
 /// [`TyreError::Curve`] if there is no interior peak, no slope, or no constants that fit.
@@ -98,13 +98,12 @@ pub fn identify(curve: &[(f64, f64)]) -> Result<Identified, TyreError> {
     }
     let (slip_m, peak_n) = parabola_top(points[top - 1], points[top], points[top + 1]);
     let slope = initial_slope(&points, peak_n)?;
-    let (last_slip, last_force) = points[points.len() - 1];
-    let mut y_s = last_force;
-    let mut tyre = four_steps(slip_m, peak_n, y_s, slope);
-    for _ in 0..100 {
-        y_s += last_force - peak_n * tyre.force_per_peak(last_slip);
-        tyre = four_steps(slip_m, peak_n, y_s, slope);
-    }
+    let candidate = |ratio: f64| four_steps(slip_m, peak_n, ratio, slope);
+    let miss = |ratio: f64| {
+        let tyre = candidate(ratio);
+        points.iter().map(|p| p.1 / peak_n - tyre.force_per_peak(p.0)).map(|e| e * e).sum::<f64>()
+    };
+    let tyre = candidate(lowest(&miss, -0.95, 0.995));
     if [tyre.b, tyre.c, tyre.e].iter().all(|x| x.is_finite()) && tyre.b > 0.0 {
         Ok(Identified { tyre, peak_n })
     } else {
@@ -112,12 +111,25 @@ pub fn identify(curve: &[(f64, f64)]) -> Result<Identified, TyreError> {
     }
 }
 
-/// Steps 2 to 4 for a peak D at slip τ_m, an asymptote y_s and an initial slope.
-fn four_steps(slip_m: f64, peak_n: f64, y_s: f64, slope: f64) -> Tyre {
-    let c = 2.0 - 2.0 / PI * libm::asin((y_s / peak_n).clamp(-1.0, 1.0));
+/// Steps 2 to 4 for a peak D at slip τ_m, y_s/D and an initial slope.
+fn four_steps(slip_m: f64, peak_n: f64, asymptote_per_peak: f64, slope: f64) -> Tyre {
+    let c = 2.0 - 2.0 / PI * libm::asin(asymptote_per_peak);
     let b = slope / (c * peak_n);
     let bt = b * slip_m;
     Tyre { b, c, e: (bt - libm::tan(PI / (2.0 * c))) / (bt - libm::atan(bt)) }
+}
+
+/// Where `f` is lowest between `low` and `high`: the best of 200 places, then thirds of what lies around it.
+fn lowest(f: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    let width = (high - low) / 200.0;
+    let places = (0..=200).map(|k| low + width * f64::from(k));
+    let best = places.min_by(|p, q| f(*p).total_cmp(&f(*q))).unwrap_or(low);
+    let (mut a, mut b) = ((best - width).max(low), (best + width).min(high));
+    for _ in 0..60 {
+        let (p, q) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+        (a, b) = if f(p) < f(q) { (a, q) } else { (p, b) };
+    }
+    0.5 * (a + b)
 }
 
 /// Slope at zero: least squares of F = k₁τ + k₂τ³ through the origin, over the points below a quarter of the peak (at
@@ -148,4 +160,56 @@ fn parabola_top(p: (f64, f64), q: (f64, f64), r: (f64, f64)) -> (f64, f64) {
     let slope = left + bend * (q.0 - p.0);
     let shift = -slope / (2.0 * bend);
     (q.0 + shift, q.1 + 0.5 * slope * shift)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(tyre: &Tyre, peak_n: f64, step: f64, last: f64) -> Vec<(f64, f64)> {
+        let count = (last / step).round() as usize;
+        (1..=count).map(|k| (k as f64 * step, peak_n * tyre.force_per_peak(k as f64 * step))).collect()
+    }
+
+    #[test]
+    fn law_identification_finds_the_constants_of_its_own_curve() {
+        for tyre in [
+            Tyre { b: 10.0, c: 1.65, e: 0.5 },
+            Tyre { b: 11.577, c: 1.6411, e: 0.46403 },
+            Tyre { b: 8.0, c: 1.9, e: 0.97 },
+            Tyre { b: 14.0, c: 1.4, e: -0.5 },
+        ] {
+            let found = identify(&curve(&tyre, 4200.0, 0.002, 1.0)).unwrap();
+            assert!((found.peak_n / 4200.0 - 1.0).abs() < 1e-4, "{found:?}");
+            for (got, want) in [(found.tyre.b, tyre.b), (found.tyre.c, tyre.c), (found.tyre.e, tyre.e)] {
+                assert!((got - want).abs() < 0.02 * want.abs().max(0.5), "{tyre:?}: {found:?}");
+            }
+            for k in 0..=100 {
+                let slip = 0.01 * f64::from(k);
+                let miss = found.peak_n * found.tyre.force_per_peak(slip) - 4200.0 * tyre.force_per_peak(slip);
+                assert!(miss.abs() < 0.005 * 4200.0, "{tyre:?} at {slip}: {miss} N");
+            }
+        }
+    }
+
+    #[test]
+    fn curves_are_read_with_and_without_header() {
+        let rows = vec![(0.0, 0.0), (0.1, 3000.0)];
+        assert_eq!(read_curve("slip,force_n\n0,0\n\n0.1, 3000\n"), Ok(rows.clone()));
+        assert_eq!(read_curve("0,0\n0.1,3e3"), Ok(rows));
+        let wrong = read_curve("slip,force_n\n0.1;3000").unwrap_err();
+        assert_eq!(
+            wrong.to_string(),
+            "tyre curve, line 2: expected \"slip,force_n\" as two numbers, found \"0.1;3000\""
+        );
+        assert!(read_curve("0.1,NaN").is_err());
+    }
+
+    #[test]
+    fn curves_without_a_tyre_in_them_are_refused() {
+        let line = |f: fn(f64) -> f64| (0..50).map(|k| (0.02 * f64::from(k), f(f64::from(k)))).collect::<Vec<_>>();
+        for curve in [vec![], line(|_| 0.0), line(|k| k), line(|k| -k), line(|_| 7.0)] {
+            assert!(matches!(identify(&curve), Err(TyreError::Curve(_))), "{curve:?}");
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::RunError;
 use crate::cosim::state::{Finished, State};
-use crate::output::{EdgeTable, SumoStatistics, SumoTotals, Summary, TripInfo, Trips, VehicleRow};
+use crate::output::{EdgeTable, Summary, SumoStatistics, SumoTotals, TripInfo, Trips, VehicleRow};
 use crate::scenario::{Scenario, SumoCommand};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -26,7 +26,9 @@ impl Outcome {
         own_sumo: Option<&SumoCommand>,
         broken: bool,
     ) -> Result<Self, RunError> {
-        let read = own_sumo.map(|command| Ok::<_, RunError>((SumoStatistics::read(&command.statistics)?, Trips::read(&command.tripinfo)?)));
+        let read = own_sumo.map(|command| {
+            Ok::<_, RunError>((SumoStatistics::read(&command.statistics)?, Trips::read(&command.tripinfo)?))
+        });
         let (statistics, trips) = match read {
             Some(Ok((statistics, trips))) => (Some(statistics), trips),
             Some(Err(error)) if !broken => return Err(error),

@@ -9,8 +9,10 @@ use super::{
     Scenario, ScenarioError, Source,
     document::{Node, Table},
     error::Place,
-    redirect,
-    sumocfg::{Configuration, INPUTS, is_true},
+    redirect::{self, is_compressed},
+    section::absolute,
+    sumo_arguments::given,
+    sumocfg::{Configuration, INPUTS, is_true, list},
 };
 
 /// Elements that put somebody on the road, or somebody else's file in place.
@@ -18,30 +20,32 @@ const TRAFFIC: &[&str] = &["vehicle", "trip", "flow", "person", "personFlow", "c
 
 /// Checks the inputs of SUMO, adds them to the scenario's inputs and notes what is overridden.
 pub(super) fn check(scenario: &mut Scenario, root: &Table) -> Result<(), ScenarioError> {
+    let given = given(&scenario.sumo.options);
+    let files = INPUTS.iter().filter_map(|(option, _)| given.get(*option)).flat_map(|value| list(value));
+    scenario.inputs.extend(files.map(|f| absolute(Path::new(""), Path::new(f))).filter(|f| f.is_file()));
+    // Other clients and files given as options of SUMO may bring traffic that is not seen here.
+    let may_be_empty = scenario.sumo.num_clients > 1 || INPUTS.iter().any(|(option, _)| given.contains_key(*option));
     match scenario.sumo.source.clone() {
         Source::Running => Ok(()),
-        Source::Config(path) => configuration(scenario, &path),
+        Source::Config(path) => configuration(scenario, &path, may_be_empty),
         Source::Network { net, routes, additional } => {
             add_included(scenario, &additional)?;
-            if routes.is_empty() && !any_traffic(&additional) {
-                return Err(ScenarioError::NoRoutes { net });
+            if may_be_empty || any_traffic(routes.iter().chain(&additional)) {
+                return Ok(());
             }
-            let others_may_drive = scenario.sumo.num_clients > 1;
             let named = match root.get("sumo").map(|e| &e.node) {
                 Some(Node::Table(sumo)) => sumo.get("routes"),
                 _ => None,
             };
             match named {
-                Some(entry) if !others_may_drive && !any_traffic(routes.iter().chain(&additional)) => {
-                    Err(empty(entry.place.clone(), "sumo.routes", &routes))
-                }
-                _ => Ok(()),
+                Some(entry) => Err(empty(entry.place.clone(), "sumo.routes", &routes)),
+                None => Err(ScenarioError::NoRoutes { net }),
             }
         }
     }
 }
 
-fn configuration(scenario: &mut Scenario, path: &Path) -> Result<(), ScenarioError> {
+fn configuration(scenario: &mut Scenario, path: &Path, may_be_empty: bool) -> Result<(), ScenarioError> {
     let configuration = Configuration::read(path)?;
     for (option, _) in INPUTS {
         let Some(setting) = configuration.get(option) else { continue };
@@ -60,12 +64,9 @@ fn configuration(scenario: &mut Scenario, path: &Path) -> Result<(), ScenarioErr
     let additional = configuration.files("additional-files");
     add_included(scenario, &additional)?;
     notes(scenario, &configuration);
-    // A saved state brings its vehicles along, and other clients may add theirs.
-    if configuration.get("load-state").is_some() || scenario.sumo.num_clients > 1 {
-        return Ok(());
-    }
     let routes = configuration.files("route-files");
-    if any_traffic(routes.iter().chain(&additional)) {
+    // A saved state brings its vehicles along.
+    if may_be_empty || configuration.get("load-state").is_some() || any_traffic(routes.iter().chain(&additional)) {
         return Ok(());
     }
     match configuration.get("route-files") {
@@ -76,6 +77,12 @@ fn configuration(scenario: &mut Scenario, path: &Path) -> Result<(), ScenarioErr
 
 fn add_included(scenario: &mut Scenario, additional: &[PathBuf]) -> Result<(), ScenarioError> {
     for file in additional {
+        if is_compressed(file) {
+            scenario
+                .notes
+                .push(format!("{}: compressed, so files that it has SUMO write stay where it says", file.display()));
+            continue;
+        }
         scenario.inputs.extend(redirect::included(file)?);
     }
     Ok(())
@@ -115,7 +122,7 @@ fn any_traffic<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> bool {
 /// Whether a file has traffic in it. It is read up to the first vehicle only. What cannot be read here (compressed,
 /// broken) counts as traffic: SUMO says what is wrong with it.
 fn has_traffic(file: &Path) -> bool {
-    if file.extension().is_some_and(|e| e == "gz") {
+    if is_compressed(file) {
         return true;
     }
     let Ok(mut reader) = Reader::from_file(file) else { return true };

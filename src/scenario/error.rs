@@ -19,7 +19,7 @@ pub(crate) struct Origin {
     pub argument: bool,
 }
 
-/// A stretch of an [`Origin`].
+/// A stretch of a file, or an argument of the command line.
 #[derive(Debug, Clone)]
 pub struct Place {
     pub(crate) origin: Arc<Origin>,
@@ -103,7 +103,7 @@ pub enum ScenarioError {
         /// The full path of the key.
         key: String,
         /// The name, the nearest one, all known ones.
-        unknown: UnknownName,
+        unknown: Box<UnknownName>,
     },
     /// A file that is named but is not there.
     #[error("{place}: {key}: {} does not exist", path.display())]
@@ -183,6 +183,9 @@ impl Diagnostic for ScenarioError {
         match self {
             Self::UnknownKey { known, .. } if !known.is_empty() => {
                 Some(Box::new(format!("known here: {}", known.join(", "))))
+            }
+            Self::MissingFile { path, .. } if path.to_string_lossy().contains("${") => {
+                Some(Box::new("the environment variable is not set"))
             }
             Self::NoRoutes { net } => Some(Box::new(random_trips(net))),
             _ => None,

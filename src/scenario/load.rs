@@ -306,7 +306,7 @@ fn choice(
 }
 
 fn unknown_name(entry: &Entry, key: &str, unknown: UnknownName) -> ScenarioError {
-    ScenarioError::UnknownName { place: entry.place.clone(), key: key.to_owned(), unknown }
+    ScenarioError::UnknownName { place: entry.place.clone(), key: key.to_owned(), unknown: Box::new(unknown) }
 }
 
 /// The `[[group]]`s, and last the one that the file's own sections describe.

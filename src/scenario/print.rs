@@ -14,7 +14,7 @@ use crate::keys::{Key, Value, Values};
 
 /// The scenario as TOML; reading it gives the same scenario.
 pub(super) fn scenario(scenario: &Scenario) -> String {
-    let mut out = Toml1::default();
+    let mut out = Document::default();
     out.text("name", &scenario.name);
     out.sumo(scenario);
     out.header("[egos]");
@@ -47,9 +47,9 @@ pub(super) fn scenario(scenario: &Scenario) -> String {
 
 /// TOML under construction.
 #[derive(Default)]
-struct Toml1(String);
+struct Document(String);
 
-impl Toml1 {
+impl Document {
     fn header(&mut self, header: &str) {
         self.0.push_str(&format!("\n{header}\n"));
     }

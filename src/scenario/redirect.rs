@@ -46,10 +46,33 @@ pub(super) struct Redirect {
 }
 
 impl Redirect {
-    /// `prefix` is the configuration's output prefix; only its last component without the time is kept.
-    pub fn new(folder: &Path, prefix: &str) -> Self {
-        let prefix = prefix.rsplit(['/', '\\']).next().unwrap_or_default().replace("TIME", "");
-        Self { folder: folder.to_owned(), prefix, taken: BTreeMap::new() }
+    pub fn new(folder: &Path) -> Self {
+        // What SUMO prints is kept under this name.
+        let taken = BTreeMap::from([("console.log".to_owned(), PathBuf::new())]);
+        Self { folder: folder.to_owned(), prefix: String::new(), taken }
+    }
+
+    /// Puts a configuration's output prefix before all names to come: its last component, without the time.
+    pub fn take_prefix(&mut self, prefix: &str) {
+        self.prefix = prefix.rsplit(['/', '\\']).next().unwrap_or_default().replace("TIME", "");
+    }
+
+    /// A file of our own beside the redirected ones.
+    pub fn own(&mut self, name: &str) -> PathBuf {
+        self.free(name, PathBuf::new())
+    }
+
+    /// The first free name like `name` for what was to be `original`; the same original keeps its name.
+    fn free(&mut self, name: &str, original: PathBuf) -> PathBuf {
+        let is_free = |name: &String| {
+            let holder = self.taken.get(name);
+            holder.is_none() || holder == Some(&original) && original != Path::new("")
+        };
+        let numbered = (2..).map(|n: u64| format!("{n}_{name}"));
+        let name = std::iter::once(name.to_owned()).chain(numbered).find(is_free).unwrap_or_default();
+        let target = self.folder.join(&name);
+        self.taken.insert(name, original);
+        target
     }
 
     /// Where `value`, named in a file in `from`, is written now. Names that are no files stay.
@@ -59,17 +82,12 @@ impl Redirect {
         }
         let original = absolute(from, Path::new(value));
         let name = original.file_name().map_or("output".to_owned(), |n| n.to_string_lossy().into_owned());
-        let free = |name: &String| self.taken.get(name).is_none_or(|p| *p == original);
-        let candidates = std::iter::once(name.clone()).chain((2..).map(|n| format!("{n}_{name}")));
-        let name = candidates.map(|n| format!("{}{n}", self.prefix)).find(free).unwrap_or(name);
-        let target = self.folder.join(&name);
-        self.taken.insert(name, original);
-        target.to_string_lossy().into_owned()
+        self.free(&format!("{}{name}", self.prefix), original).to_string_lossy().into_owned()
     }
 
     /// The file to load in place of an additional file: itself, or its rewritten copy if it names files to write.
     pub fn additional(&mut self, file: &Path) -> Result<PathBuf, ScenarioError> {
-        if file.extension().is_some_and(|e| e == "gz") || !names_outputs(file)? {
+        if is_compressed(file) || !names_outputs(file)? {
             return Ok(file.to_owned());
         }
         let text = self.rewritten(file, &read_text(file)?)?;
@@ -137,8 +155,13 @@ impl Redirect {
     }
 }
 
+/// SUMO reads compressed files, we do not look into them.
+pub(super) fn is_compressed(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e == "gz")
+}
+
 /// Standard streams, the void and network sockets (`host:port`).
-fn is_no_file(value: &str) -> bool {
+pub(super) fn is_no_file(value: &str) -> bool {
     let socket = value.rsplit_once(':').is_some_and(|(host, port)| !host.contains('/') && port.parse::<u16>().is_ok());
     ["", "-", "stdout", "stderr", "nul", "/dev/null", "/dev/stdout", "/dev/stderr"]
         .contains(&value.to_lowercase().as_str())
@@ -199,7 +222,7 @@ pub(super) fn included(file: &Path) -> Result<Vec<PathBuf>, ScenarioError> {
 
 fn included_by(file: &Path, above: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, ScenarioError> {
     let mut files = Vec::new();
-    if file.extension().is_some_and(|e| e == "gz") {
+    if is_compressed(file) {
         return Ok(files);
     }
     if above.iter().any(|f| f == file) {
@@ -222,4 +245,27 @@ fn included_by(file: &Path, above: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, Sc
     })?;
     above.pop();
     Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn law_every_file_has_a_name_of_its_own() {
+        let mut redirect = Redirect::new(Path::new("/r"));
+        let mut target = |from: &str, value: &str| redirect.target(Path::new(from), value);
+        assert_eq!(target("/cfg", "a/out.xml"), "/r/out.xml");
+        assert_eq!(target("/cfg", "b/out.xml"), "/r/2_out.xml");
+        assert_eq!(target("/cfg/a", "out.xml"), "/r/out.xml", "the same file by another name");
+        assert_eq!(target("/cfg", "statistics.xml"), "/r/statistics.xml");
+        assert_eq!(target("/cfg", "console.log"), "/r/2_console.log");
+        for none in ["NUL", "stdout", "-", "localhost:9000", "/dev/null"] {
+            assert_eq!(target("/cfg", none), none);
+        }
+        assert_eq!(redirect.own("statistics.xml"), Path::new("/r/2_statistics.xml"));
+        assert_eq!(redirect.own("statistics.xml"), Path::new("/r/3_statistics.xml"));
+        redirect.take_prefix("../../deep/x_TIME");
+        assert_eq!(redirect.target(Path::new("/cfg"), "c.xml"), "/r/x_c.xml");
+    }
 }

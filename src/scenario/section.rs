@@ -116,7 +116,7 @@ pub(crate) fn wanted(kind: Kind) -> String {
     }
 }
 
-fn range(min: f64, max: f64) -> String {
+pub(super) fn range(min: f64, max: f64) -> String {
     // The bounds of a type stand for "no bound".
     match (min > f64::MIN, max < f64::MAX) {
         (true, true) => format!(" from {} to {}", short(min), short(max)),

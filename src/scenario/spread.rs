@@ -5,8 +5,9 @@ use std::fmt;
 use super::{
     document::{Entry, Node, Table},
     error::ScenarioError,
+    section,
 };
-use crate::{random::Stream, registry::nearest};
+use crate::random::Stream;
 
 /// How often a normal draw outside its bounds is repeated before it is put on the bound.
 const REDRAWS: usize = 64;
@@ -67,14 +68,7 @@ impl Distribution {
         } else {
             &["distribution", "min", "max"]
         };
-        if let Some((key, entry)) = table.iter().find(|(k, _)| !known.contains(&k.as_str())) {
-            return Err(ScenarioError::UnknownKey {
-                place: entry.place.clone(),
-                key: format!("{path}.{key}"),
-                suggestion: nearest(key, known.iter().copied()).map(str::to_owned),
-                known: known.iter().map(|k| (*k).to_owned()).collect(),
-            });
-        }
+        section::known(path, table, known)?;
         let number = |name: &str, default: Option<f64>, (low, high): (f64, f64)| {
             let found = table.get(name);
             let value = match found.map(|e| &e.node) {
@@ -87,7 +81,7 @@ impl Distribution {
                 place: found.unwrap_or(at).place.clone(),
                 key: format!("{path}.{name}"),
                 found: found.map_or_else(|| "nothing".to_owned(), |e| e.node.shown()),
-                wanted: format!("a number from {low} to {high}"),
+                wanted: format!("a number{}", section::range(low, high)),
             })
         };
         if kind == "uniform" {

@@ -7,7 +7,7 @@ use std::{
 
 use super::{
     ScenarioError, Source, SumoSetup,
-    redirect::Redirect,
+    redirect::{Redirect, is_no_file},
     section::absolute,
     sumocfg::{Configuration, canonical, list, writes},
 };
@@ -47,15 +47,15 @@ pub struct SumoCommand {
 pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, ScenarioError> {
     let folder = absolute(Path::new(""), &out_dir.join("sumo"));
     let mut line = Line { arguments: Vec::new(), given: given(&setup.options) };
+    let mut redirect = Redirect::new(&folder);
     let mut outputs = BTreeMap::new();
     match &setup.source {
         Source::Running => {}
         Source::Config(path) => {
             line.push("configuration-file", &path.to_string_lossy());
-            outputs = configured(&mut line, path, &folder)?;
+            outputs = configured(&mut line, path, &mut redirect)?;
         }
         Source::Network { net, routes, additional } => {
-            let mut redirect = Redirect::new(&folder, "");
             line.push("net-file", &net.to_string_lossy());
             line.push_list("route-files", routes);
             let additional: Vec<PathBuf> =
@@ -76,10 +76,11 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
         line.push("quit-on-end", "true");
     }
     let mut ours = |option: &str, file: &str| {
-        let path = outputs.get(option).cloned().unwrap_or_else(|| folder.join(file));
-        if !outputs.contains_key(option) {
+        let path = outputs.get(option).cloned().unwrap_or_else(|| {
+            let path = redirect.own(file);
             line.push(option, &path.to_string_lossy());
-        }
+            path
+        });
         line.written(option, path)
     };
     let statistics = ours("statistic-output", "statistics.xml");
@@ -96,17 +97,21 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
 }
 
 /// Redirects what a configuration writes. Returns where its outputs go, by option.
-fn configured(line: &mut Line, path: &Path, folder: &Path) -> Result<BTreeMap<String, PathBuf>, ScenarioError> {
+fn configured(
+    line: &mut Line,
+    path: &Path,
+    redirect: &mut Redirect,
+) -> Result<BTreeMap<String, PathBuf>, ScenarioError> {
     let configuration = Configuration::read(path)?;
     let home = configuration.origin.folder.clone();
-    let mut redirect = Redirect::new(folder, configuration.value("output-prefix").unwrap_or_default());
+    redirect.take_prefix(configuration.value("output-prefix").unwrap_or_default());
     let mut outputs = BTreeMap::new();
     for option in ["output-prefix", "output-suffix"] {
         if configuration.get(option).is_some() {
             line.push(option, "");
         }
     }
-    for setting in configuration.settings.iter().filter(|s| writes(&s.name) && !s.value.is_empty()) {
+    for setting in configuration.settings.iter().filter(|s| writes(&s.name) && !is_no_file(&s.value)) {
         if outputs.contains_key(&setting.name) {
             continue;
         }
@@ -135,7 +140,7 @@ pub(super) fn ours(options: &[String]) -> Option<(String, &'static str)> {
 }
 
 /// The user's options by long name. A word that starts with a dash and is no number begins an option.
-fn given(options: &[String]) -> BTreeMap<String, String> {
+pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
     let mut given = BTreeMap::new();
     let mut words = options.iter().peekable();
     while let Some(word) = words.next() {

@@ -145,10 +145,12 @@ pub(super) fn is_true(value: &str) -> bool {
 /// Puts environment variables in place of `${NAME}`, as SUMO does. Unknown ones stay. `${SUMO_HOME}` is where SUMO was
 /// found, if the variable is not set.
 pub(super) fn environment(text: &str) -> String {
-    let value = |name: &str| match std::env::var(name) {
-        Ok(value) => Some(value),
-        Err(_) if name == "SUMO_HOME" => Some(find_sumo(None).ok()?.home?.to_string_lossy().into_owned()),
-        Err(_) => None,
+    let value = |name: &str| match std::env::var(name).ok().filter(|v| !v.is_empty()) {
+        None if name == "SUMO_HOME" => {
+            let home = find_sumo(None).ok()?.home?;
+            Some(absolute(Path::new(""), &home).to_string_lossy().into_owned())
+        }
+        value => value,
     };
     let mut parts = text.split("${");
     let mut whole = parts.next().unwrap_or_default().to_owned();

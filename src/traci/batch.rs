@@ -7,15 +7,20 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::typed::{Domain, FromValue, Shape, Var};
+use super::variables::TABLE;
 use super::wire::{NO_VALUE, close_command, put_count, put_f64, put_i32, put_text, tag};
 
-/// Longest object id in bytes: SUMO repeats it in error texts, and a text of more than 255 bytes ends SUMO.
-pub const MAX_ID_BYTES: usize = 200;
+/// Longest object id in bytes. SUMO repeats ids in error texts, and ends itself if a text does not fit a status of 255
+/// bytes; the longest text around an id has about 60 bytes (a subscription to an unknown traffic light).
+pub const MAX_ID_BYTES: usize = 180;
 
-/// Bytes of error text that surely fit SUMO's 255-byte status, and what SUMO writes per variable besides the id.
-const ERROR_TEXT_BYTES: usize = 240;
+/// Longest get with its parameter, whose text SUMO repeats too.
+const MAX_GET_BYTES: usize = 200;
+
+/// Bytes for the reasons of a refused subscription, which SUMO joins in one status; and what a reason has besides the id.
+const ERROR_TEXT_BYTES: usize = 220;
 const ERROR_PER_VARIABLE_BYTES: usize = 40;
-const ERROR_UNSUPPORTED_BYTES: usize = 75;
+const ERROR_UNSUPPORTED_BYTES: usize = 70;
 
 /// A command that must not be sent.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -25,11 +30,11 @@ pub enum BatchError {
     #[error("the batch already ends with a step; a command behind it would act before it: send it in the next batch")]
     AfterStep,
     /// SUMO ends itself when an error text with such an id does not fit.
-    #[error("id of {length} bytes (at most {MAX_ID_BYTES}, longer ones can end SUMO): {id:.40}...")]
+    #[error("id of {length} bytes (at most {MAX_ID_BYTES}, longer ones can end SUMO): {id}...")]
     IdTooLong {
-        /// The id.
+        /// The beginning of the id.
         id: String,
-        /// Its length in bytes.
+        /// Its length in bytes, with the parameter of a get.
         length: usize,
     },
     /// Not a number, infinite, or a negative speed: SUMO would silently release the vehicle.
@@ -39,6 +44,13 @@ pub enum BatchError {
         what: &'static str,
         /// Its value.
         value: f64,
+    },
+    /// Subscribed without the parameter that it needs: SUMO takes the next variable for the parameter, loses its place
+    /// in the message and hangs, or dies.
+    #[error("variable 0x{id:02x} needs a parameter: use `subscribe_with`")]
+    NeedsParameter {
+        /// Its identifier.
+        id: u8,
     },
     /// The message would exceed 2 GiB, or one command 255 variables.
     #[error("the batch grows too large")]
@@ -293,9 +305,11 @@ impl Batch {
     ) -> Result<Handle<T>, BatchError> {
         check_id(id)?;
         let index = self.push(variable.domain.get_command(), Answer::Get(variable.id), |out| {
+            let start = out.len();
             out.push(variable.id);
             put_text(out, id);
-            P::put(parameter, out)
+            P::put(parameter, out)?;
+            if out.len() - start > MAX_GET_BYTES { Err(too_long(id, out.len() - start)) } else { Ok(()) }
         })?;
         Ok(Handle { index, kind: PhantomData })
     }
@@ -326,7 +340,8 @@ impl Batch {
     /// vehicle do not fit 255 bytes); their numbers are returned. SUMO joins them into one block.
     ///
     /// # Errors
-    /// If the id is too long or the time not finite, or behind a step.
+    /// If the id is too long, the time not finite or a variable needs a parameter, or behind a step. Nothing is appended
+    /// then.
     pub fn subscribe(
         &mut self,
         domain: Domain,
@@ -334,6 +349,9 @@ impl Batch {
         variables: &[u8],
         begin_s: f64,
     ) -> Result<Range<usize>, BatchError> {
+        if let Some(&id) = variables.iter().find(|variable| needs_parameter(domain, **variable)) {
+            return Err(BatchError::NeedsParameter { id });
+        }
         let first = self.len();
         for chunk in variables.chunks(variables_per_command(domain, id)) {
             let count = u8::try_from(chunk.len()).map_err(|_| BatchError::TooLarge)?;
@@ -441,10 +459,11 @@ impl Batch {
 }
 
 fn check_id(id: &str) -> Result<(), BatchError> {
-    if id.len() <= MAX_ID_BYTES {
-        return Ok(());
-    }
-    Err(BatchError::IdTooLong { id: id.chars().take(40).collect(), length: id.len() })
+    if id.len() <= MAX_ID_BYTES { Ok(()) } else { Err(too_long(id, id.len())) }
+}
+
+fn too_long(id: &str, length: usize) -> BatchError {
+    BatchError::IdTooLong { id: id.chars().take(40).collect(), length }
 }
 
 /// A speed that SUMO takes as one: negative ones and NaN would release the vehicle. −0 becomes 0.
@@ -454,6 +473,13 @@ fn usable_speed(speed_mps: f64) -> Result<f64, BatchError> {
         return Err(BatchError::BadNumber { what: "speed", value: speed_mps });
     }
     Ok(speed_mps.abs())
+}
+
+/// True if a subscription to the variable must carry a parameter. Stops (0x73) need one only there, and
+/// only in newer SUMO; 0x3e is a parameter together with its key.
+fn needs_parameter(domain: Domain, variable: u8) -> bool {
+    let by_table = TABLE.iter().any(|row| row.domain == domain && row.id == variable && row.parameter.is_some());
+    by_table || variable == 0x3e || (domain == Domain::Vehicle && variable == 0x73)
 }
 
 /// How many variables one subscribe command may carry so that the error texts fit. The simulation always exists.

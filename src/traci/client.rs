@@ -268,8 +268,9 @@ impl Client {
         self.single(|batch| Ok(batch.step_until(time_s)?)).await.map(|(_, reply)| reply)
     }
 
-    /// Tells SUMO this client's place among several. With `--num-clients` above 1 it must come before everything else,
-    /// and SUMO serves nobody until all clients are connected.
+    /// Tells SUMO this client's place among several. With `--num-clients` above 1 it must come before everything else.
+    /// SUMO serves nobody until all clients are connected, and answers a client's first request only when those before
+    /// it have told their place: connect and set the order in one go, concurrently with the other clients.
     ///
     /// # Errors
     /// As [`Client::set`].
@@ -325,4 +326,90 @@ async fn read_frames(mut rx: ReadHalf<'_>, inbox: &mut Vec<u8>, frames: usize) -
         return Err(DecodeError { offset: start, what: "bytes behind the answer" }.into());
     }
     Ok(ends)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::net::SocketAddr;
+
+    use tokio::net::TcpListener;
+
+    use super::super::variables::vehicle;
+    use super::*;
+
+    const LIMIT: Duration = Duration::from_millis(300);
+    const STEPPED: [u8; 15] = [0, 0, 0, 15, 7, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+    /// A peer that greets as SUMO does, then answers the next request with the given pieces and hangs up.
+    async fn peer(pieces: Vec<Vec<u8>>) -> SocketAddr {
+        let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let address = listener.local_addr().unwrap();
+        tokio::spawn(async move {
+            let (mut stream, _) = listener.accept().await.unwrap();
+            let mut request = [0; 4096];
+            stream.read_exact(&mut request[..6]).await.unwrap();
+            let version = b"\0\0\0\x20\x07\0\0\0\0\0\0\x15\0\0\0\0\x16\0\0\0\x0bSUMO 1.28.0";
+            stream.write_all(version).await.unwrap();
+            assert!(stream.read(&mut request).await.unwrap() > 0);
+            for piece in pieces {
+                stream.write_all(&piece).await.unwrap();
+                stream.flush().await.unwrap();
+                sleep(Duration::from_millis(1)).await;
+            }
+        });
+        address
+    }
+
+    #[tokio::test]
+    async fn an_answer_may_come_in_any_pieces() {
+        let mut client = Client::connect(peer(STEPPED.map(|byte| vec![byte]).to_vec()).await, LIMIT).await.unwrap();
+        assert_eq!((client.version().api, client.version().number), (22, (1, 28, 0)));
+        assert_eq!(client.step().await.unwrap().block_count(), 0);
+    }
+
+    #[tokio::test]
+    async fn two_answers_may_come_in_one_piece() {
+        let value = [b"\x07\xa4\0\0\0\0\0\x11\xb4\x40\0\0\0\x01a\x0b".as_slice(), &3f64.to_be_bytes()].concat();
+        let second = [&[0, 0, 0, 28], value.as_slice()].concat();
+        let mut client = Client::connect(peer(vec![[&STEPPED[..], &second].concat()]).await, LIMIT).await.unwrap();
+        let (mut first, mut gets) = (Batch::new(), Batch::new());
+        first.step().unwrap();
+        let speed = gets.get(vehicle::SPEED, "a").unwrap();
+        let (reply, values) = client.exchange_pipelined(&first, &gets).await.unwrap();
+        assert_eq!((reply.len(), values.get(speed).unwrap()), (1, 3.0));
+    }
+
+    #[tokio::test]
+    async fn a_bad_answer_finishes_the_client() {
+        let cut = STEPPED[..9].to_vec();
+        let short = vec![0, 0, 0, 3];
+        let more = [&STEPPED[..], &[0]].concat();
+        let huge = vec![0x7f, 0xff, 0xff, 0xff, 7, 2];
+        for (answer, bad_bytes) in [(cut, false), (short, true), (more, true), (huge, false)] {
+            let mut client = Client::connect(peer(vec![answer]).await, LIMIT).await.unwrap();
+            let error = client.step().await.unwrap_err();
+            assert_eq!(matches!(error, Error::Decode(_)), bad_bytes, "{error}");
+            assert!(bad_bytes || matches!(error, Error::Disconnected(_)), "{error}");
+            assert!(client.inbox.capacity() <= 2 * INBOX_BYTES, "a length alone makes nothing grow");
+            assert!(matches!(client.step().await, Err(Error::Finished)));
+        }
+    }
+
+    #[tokio::test]
+    async fn dropping_a_call_midway_finishes_the_client() {
+        let mut client = Client::connect(peer(vec![vec![0]]).await, LIMIT).await.unwrap();
+        assert!(timeout(Duration::ZERO, client.step()).await.is_err());
+        assert!(matches!(client.step().await, Err(Error::Finished)));
+    }
+
+    #[test]
+    fn versions_are_read_and_compared() {
+        let number = |text: &str| SumoVersion::parse(20, text).number;
+        assert_eq!(number("SUMO 1.15.0"), (1, 15, 0));
+        assert_eq!(number("SUMO v1_27_1+0123-0a1b2c3d4e5"), (1, 27, 1));
+        assert_eq!(number("SUMO 2.0"), (2, 0, 0));
+        assert_eq!(number("something"), (0, 0, 0));
+        assert!(SumoVersion::parse(20, "SUMO 1.16.2").at_least(1, 16));
+        assert!(!SumoVersion::parse(20, "SUMO 1.9.2").at_least(1, 15));
+    }
 }

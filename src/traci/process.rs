@@ -13,8 +13,6 @@ use tokio::time::{Instant, timeout};
 use super::client::Client;
 use super::error::Error;
 
-/// How long SUMO may take to end by itself after the connection was closed.
-const GRACE: Duration = Duration::from_secs(10);
 /// How long a SUMO whose connection broke may take until its exit code is there.
 const LAST_WORDS: Duration = Duration::from_secs(2);
 /// Lines and bytes of SUMO's log shown in errors.
@@ -97,10 +95,9 @@ fn search(home: Option<&Path>, path: &[PathBuf], local: &Path, name: &str) -> Op
     if let Some(binary) = path.iter().find_map(|folder| real_binary(&folder.join(name), name)) {
         return Some(SumoBinary::new(binary, "PATH"));
     }
-    for folder in path {
-        let Ok(python) = folder.join("python3").canonicalize() else { continue };
-        let prefixes = [folder.parent(), python.parent().and_then(Path::parent)];
-        if let Some(binary) = prefixes.into_iter().flatten().find_map(|prefix| in_prefix(prefix, name)) {
+    let pythons = path.iter().map(|folder| folder.join("python3")).filter(|python| python.is_file());
+    for python in pythons {
+        if let Some(binary) = in_package(&python, name) {
             return Some(SumoBinary::new(binary, format!("Python package of {}", python.display())));
         }
     }
@@ -137,6 +134,15 @@ fn in_prefix(prefix: &Path, name: &str) -> Option<PathBuf> {
     })
 }
 
+/// The binary inside the package `eclipse-sumo` as this Python finds it: only it knows user and virtual environments.
+fn in_package(python: &Path, name: &str) -> Option<PathBuf> {
+    let ask =
+        "import importlib.util as u; s = u.find_spec('sumo'); print(s.submodule_search_locations[0] if s else '')";
+    let output = std::process::Command::new(python).args(["-c", ask]).stdin(Stdio::null()).output().ok()?;
+    let package = String::from_utf8(output.stdout).ok()?;
+    Some(Path::new(package.trim()).join("bin").join(name)).filter(|binary| !package.trim().is_empty() && is_elf(binary))
+}
+
 /// The program at `path`, or behind it: the Python package puts a launcher script with SUMO's name on the PATH.
 fn real_binary(path: &Path, name: &str) -> Option<PathBuf> {
     let path = if path.is_dir() { path.join("bin").join(name) } else { path.to_path_buf() };
@@ -144,10 +150,7 @@ fn real_binary(path: &Path, name: &str) -> Option<PathBuf> {
         return Some(path);
     }
     let real = path.canonicalize().ok()?;
-    [Some(path.as_path()), Some(real.as_path())].into_iter().flatten().find_map(|script| {
-        let prefix = script.parent()?.parent()?;
-        in_prefix(prefix, name)
-    })
+    [path.as_path(), real.as_path()].into_iter().find_map(|script| in_prefix(script.parent()?.parent()?, name))
 }
 
 /// True for a program that is not a script.
@@ -163,9 +166,10 @@ pub struct SumoProcess {
     child: Child,
     port: u16,
     log: PathBuf,
-    fixed: Option<SpawnOptions>,
+    again: Option<SpawnOptions>,
 }
 
+/// What it takes to start once more on another free port.
 #[derive(Debug)]
 struct SpawnOptions {
     binary: SumoBinary,
@@ -177,13 +181,13 @@ impl SumoProcess {
     /// Starts SUMO with `args` (configuration, options) as a TraCI server on `port`, or on a free port for `None`. What it
     /// prints goes to `console.log` in `log_dir`, so that it can never block on a full pipe.
     ///
-    /// SUMO listens on all interfaces without asking who connects; that cannot be changed, only firewalled.
+    /// It must be called inside a tokio runtime. SUMO listens on all interfaces without asking who connects; that cannot be changed, only firewalled.
     ///
     /// # Errors
     /// [`Error::PortInUse`] for a given port, [`Error::Start`].
     pub fn spawn(binary: &SumoBinary, args: &[String], port: Option<u16>, log_dir: &Path) -> Result<Self, Error> {
         let log = log_dir.join("console.log");
-        let (port, fixed) = match port {
+        let (port, again) = match port {
             Some(port) => {
                 TcpListener::bind((Ipv4Addr::UNSPECIFIED, port)).map_err(|_| Error::PortInUse { port })?;
                 (port, None)
@@ -195,7 +199,7 @@ impl SumoProcess {
         };
         let child = start(binary, args, port, &log)?;
         tracing::debug!(binary = %binary.path.display(), port, "started SUMO");
-        Ok(Self { child, port, log, fixed })
+        Ok(Self { child, port, log, again })
     }
 
     /// The port it listens on.
@@ -229,10 +233,14 @@ impl SumoProcess {
                 biased;
                 status = self.child.wait() => self.died(status.ok()),
                 client = Client::connect(format!("127.0.0.1:{}", self.port), left) => match client {
-                    Ok(mut client) => {
-                        client.set_timeout(limit);
-                        return Ok(client);
-                    }
+                    // If ours has ended, a stranger answered on our port.
+                    Ok(mut client) => match self.child.try_wait() {
+                        Ok(Some(status)) => self.died(Some(status)),
+                        _ => {
+                            client.set_timeout(limit);
+                            return Ok(client);
+                        }
+                    },
                     Err(error) => self.explain(error).await,
                 },
             };
@@ -248,7 +256,7 @@ impl SumoProcess {
         if !is_port_trouble(report) {
             return Ok(false);
         }
-        let Some(options) = self.fixed.as_mut().filter(|options| options.attempts > 0) else {
+        let Some(options) = self.again.as_mut().filter(|options| options.attempts > 0) else {
             return Err(Error::PortInUse { port: self.port });
         };
         options.attempts -= 1;
@@ -278,13 +286,13 @@ impl SumoProcess {
         matches!(self.child.try_wait(), Ok(None))
     }
 
-    /// Waits for SUMO to end by itself, which it does when its clients are closed, and kills it after a grace period
-    /// (SUMO ignores gentler signals). Gives its exit status.
+    /// Waits up to `grace` for SUMO to end by itself, which it does when its clients are closed, and then kills it (SUMO
+    /// ignores gentler signals). Gives its exit status: success only if it ended by itself, its outputs complete.
     ///
     /// # Errors
     /// [`Error::Died`] if it could not be waited for.
-    pub async fn shut_down(mut self) -> Result<ExitStatus, Error> {
-        if let Ok(status) = timeout(GRACE, self.child.wait()).await {
+    pub async fn shut_down(mut self, grace: Duration) -> Result<ExitStatus, Error> {
+        if let Ok(status) = timeout(grace, self.child.wait()).await {
             return status.map_err(|_| self.died(None));
         }
         tracing::warn!("SUMO does not end by itself; killing it");
@@ -333,4 +341,92 @@ fn last_words(log: &Path) -> String {
 /// SUMO's words for a port that somebody else has.
 fn is_port_trouble(report: &str) -> bool {
     report.contains("bind") || report.contains("Address already in use")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A program for the search: anything that is not a script.
+    fn program(path: PathBuf) -> PathBuf {
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, b"\x7fELF").unwrap();
+        path
+    }
+
+    fn script(path: &Path) {
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, b"#!/usr/bin/env python3\n").unwrap();
+    }
+
+    #[test]
+    fn the_search_goes_home_path_and_newest_version() {
+        let root = tempfile::tempdir().unwrap();
+        let at = |path: &str| root.path().join(path);
+        let site = |version: &str| at(&format!(".sumo/{version}/lib/python3.11/site-packages/sumo/bin/sumo"));
+        let local = at(".sumo");
+        let find = |home: Option<&Path>, path: &[PathBuf]| search(home, path, &local, "sumo").map(|found| found.path);
+        assert_eq!(find(Some(&at("home")), &[at("bin")]), None);
+        program(site("1.9.0"));
+        let newest = program(site("1.28.0"));
+        assert_eq!(find(Some(&at("home")), &[at("bin")]), Some(newest), "1.28 is newer than 1.9");
+        let on_path = program(at("bin/sumo"));
+        assert_eq!(find(Some(&at("home")), &[at("bin")]), Some(on_path));
+        let home = program(at("home/bin/sumo"));
+        assert_eq!(find(Some(&at("home")), &[at("bin")]), Some(home));
+    }
+
+    #[test]
+    fn a_launcher_script_is_resolved_to_the_binary_behind_it() {
+        let root = tempfile::tempdir().unwrap();
+        let launcher = root.path().join("venv/bin/sumo");
+        script(&launcher);
+        let path = [root.path().join("venv/bin")];
+        assert_eq!(search(None, &path, root.path(), "sumo"), None, "a script is no binary");
+        let real = program(root.path().join("venv/lib/python3.12/site-packages/sumo/bin/sumo"));
+        std::fs::create_dir_all(root.path().join("venv/lib/python3.12/site-packages/sumo/data")).unwrap();
+        let found = search(None, &path, root.path(), "sumo").unwrap();
+        assert_eq!(found.path, real);
+        assert_eq!(found.home, Some(root.path().join("venv/lib/python3.12/site-packages/sumo")));
+        assert_eq!(find_sumo(Some(&launcher)).unwrap().path, real);
+    }
+
+    #[test]
+    fn a_missing_sumo_says_what_to_type() {
+        let error = find_sumo(Some(Path::new("nowhere/sumo"))).unwrap_err().to_string();
+        assert_eq!(error, "no SUMO binary at nowhere/sumo (as given)");
+        assert!(what_to_type(None, "sumo").contains("pip install eclipse-sumo==1.28.0"));
+    }
+
+    #[test]
+    fn last_words_are_the_last_lines_without_the_step_counter() {
+        let root = tempfile::tempdir().unwrap();
+        let log = root.path().join("console.log");
+        assert_eq!(last_words(&log), "");
+        let lines: String = (0..30).map(|line| format!("line {line}\nStep #{line}.00\r\n")).collect();
+        std::fs::write(&log, lines + "Error: bad").unwrap();
+        let words = last_words(&log);
+        assert_eq!(words.lines().count(), REPORT_LINES);
+        assert!(words.starts_with("line 19\n") && words.ends_with("Error: bad"), "{words}");
+    }
+
+    #[tokio::test]
+    async fn a_free_port_that_was_snatched_is_replaced() {
+        let binary =
+            search(None, &[], &Path::new(env!("CARGO_MANIFEST_DIR")).join(".sumo"), "sumo").expect("type make");
+        let root = tempfile::tempdir().unwrap();
+        let thief = TcpListener::bind((Ipv4Addr::UNSPECIFIED, 0)).unwrap();
+        let port = thief.local_addr().unwrap().port();
+        let log = root.path().join("console.log");
+        let net = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/traci/grid.net.xml");
+        let args = vec!["-n".to_owned(), net.display().to_string()];
+        let child = start(&binary, &args, port, &log).unwrap();
+        let mut process =
+            SumoProcess { child, port, log, again: Some(SpawnOptions { binary, args, attempts: PORT_ATTEMPTS }) };
+        let limit = Duration::from_secs(20);
+        let client = process.connect(limit).await.unwrap();
+        assert_ne!(process.port(), port);
+        client.close().await.unwrap();
+        assert!(process.shut_down(limit).await.unwrap().success());
+    }
 }

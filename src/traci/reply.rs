@@ -9,6 +9,10 @@ use super::typed::{Domain, FromValue, Var};
 use super::value::{Value, known};
 use super::wire::{DecodeError, Reader, frame_length, layout, tag};
 
+/// High nibbles of the answers to gets and subscriptions; the low one is the domain.
+const GOT: u8 = 0xb0;
+const SUBSCRIBED: u8 = 0xe0;
+
 /// SUMO declined a command. The connection is well, the other commands of the batch were carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Refusal<'a> {
@@ -166,6 +170,10 @@ impl<'a> Reply<'a> {
         self.frame
     }
 
+    fn answer_at(&self, command: usize) -> Option<usize> {
+        usize::try_from(self.mark(command).answer).ok().filter(|at| *at != 0)
+    }
+
     fn mark(&self, command: usize) -> Mark {
         self.index.marks.get(command).copied().unwrap_or_default()
     }
@@ -188,9 +196,9 @@ impl<'a> Reply<'a> {
 
     /// Cursor behind the header of a get's answer, and its variable.
     fn got(&self, command: usize) -> Option<(u8, u8, Reader<'a>)> {
-        let at = usize::try_from(self.mark(command).answer).ok().filter(|at| *at != 0)?;
+        let at = self.answer_at(command)?;
         let (domain, mut body) = Reader::new(self.frame, at).command().ok()?;
-        let variable = body.u8().ok()?;
+        let variable = body.u8().ok().filter(|_| domain & 0xf0 == GOT)?;
         let id = body.count().ok()?;
         body.skip(id).ok()?;
         Some((domain, variable, body))
@@ -236,15 +244,18 @@ impl<'a> Reply<'a> {
         }
     }
 
-    /// The block with the present values that answered a subscribe command.
+    /// The block with the present values that answered a subscribe command; `None` for other commands, and if SUMO
+    /// declined it without a block.
     ///
     /// # Errors
     /// If its bytes are bad.
     pub fn subscription(&self, command: usize) -> Result<Option<Block<'a>>, DecodeError> {
-        match usize::try_from(self.mark(command).answer) {
-            Ok(at) if at != 0 => Block::read(&mut Reader::new(self.frame, at)).map(Some),
-            _ => Ok(None),
+        let Some(at) = self.answer_at(command) else { return Ok(None) };
+        let (response, _) = Reader::new(self.frame, at).command()?;
+        if response & 0xf0 != SUBSCRIBED {
+            return Ok(None);
         }
+        Block::read(&mut Reader::new(self.frame, at)).map(Some)
     }
 
     /// Number of blocks that came with the step.
@@ -262,10 +273,7 @@ impl<'a> Reply<'a> {
 
     /// API number and text, the answer to getVersion.
     pub(super) fn version(&self) -> Result<Option<(i32, &'a str)>, DecodeError> {
-        let at = match usize::try_from(self.mark(0).answer) {
-            Ok(at) if at != 0 => at,
-            _ => return Ok(None),
-        };
+        let Some(at) = self.answer_at(0) else { return Ok(None) };
         let (_, mut body) = Reader::new(self.frame, at).command()?;
         let version = (body.i32()?, body.text()?);
         body.finish()?;
@@ -314,7 +322,7 @@ impl<'a> Block<'a> {
         let (response, mut values) = reader.command()?;
         let id = values.text()?;
         let domain = Domain::from_subscription(response);
-        let count = if response & 0xf0 == 0xe0 { values.u8()? } else { 0 };
+        let count = if response & 0xf0 == SUBSCRIBED { values.u8()? } else { 0 };
         Ok(Self { domain, id, response, count, values })
     }
 

@@ -152,7 +152,7 @@ table! {
         ALLOWED_SPEED = 0xb7, get f64; "Limit for this vehicle [m/s]: lane limit times speed factor, at most its top speed."
         MAX_SPEED = 0x41, get f64, set f64; "Top speed [m/s]."
         SPEED_FACTOR = 0x5e, get f64, set f64; "Factor on lane limits; setting accel or decel afterwards may undo it."
-        SPEED_DEVIATION = 0x5f, get f64, set f64; "Standard deviation of the speed factor of its type."
+        SPEED_DEVIATION = 0x5f, get f64; "Standard deviation of the speed factor of its type."
         LATERAL_SPEED = 0x32, get f64; "Lateral speed [m/s]; 0 unless lane changes take time."
         POSITION = 0x42, get [f64; 2]; "Middle of the front bumper x, y [m]."
         POSITION_3D = 0x39, get [f64; 3]; "Middle of the front bumper x, y, z [m]."
@@ -162,7 +162,8 @@ table! {
         LANE = 0x51, get String; "Lane."
         LANE_INDEX = 0x52, get i32; "Lane index, 0 is the outermost."
         LANE_POSITION = 0x56, get f64; "Front on the lane [m], along its length in space."
-        LATERAL_POSITION = 0xb8, get f64, set f64; "Offset from the middle of the lane [m], left positive; set: shift by so much."
+        LATERAL_POSITION = 0xb8, get f64; "Offset from the middle of the lane [m], left positive."
+        SHIFT = 0xb8, set f64, newer true; "Puts the vehicle at this offset from the middle of the lane [m], left positive."
         DISTANCE = 0x84, get f64; "Distance driven since departure [m]."
         DRIVING_DISTANCE = 0x83, get f64, with (OnRoad, Distance); "Distance along the route to a place [m]."
         TYPE = 0x4f, get String, set String; "Vehicle type."
@@ -202,7 +203,7 @@ table! {
         CHANGE_LANE = 0x13, set (i8, f64); "Changes to a lane index for a duration [s]."
         CHANGE_SUBLANE = 0x15, set f64; "Shifts sideways by a distance [m], left positive (sublane model)."
         MOVE_TO = 0x5c, set (String, f64); "Puts the front on a lane at a position [m]."
-        STOP = 0x12, set (String, f64, i8, f64, i32, f64, f64); "Stops: edge, end [m], lane, duration [s], flags, start [m], until [s]."
+        STOP = 0x12, set (String, f64, i8, f64, i8, f64, f64); "Stops: edge, end [m], lane, duration [s], flags, start [m], until [s]."
         RESUME = 0x19, set Nothing; "Ends a stop."
         STOP_STATE = 0xb5, get i32; "Bits: 1 stopped, 2 parking, 4 triggered, and so on."
         NEXT_STOPS = 0x73, get Vec<NextStop>; "Stops ahead, short form."
@@ -272,7 +273,7 @@ table! {
         COUNT = 0x01, get i32; "Number of routes (object id \"\")."
         EDGES = 0x54, get Texts; "Edges."
         ADD = 0x80, set Texts; "Adds a route of these edges under this id."
-        REMOVE = 0x81, set Nothing, newer true; "Removes an unused route."
+        REMOVE = 0x81, set (), newer true; "Removes an unused route."
         PARAMETER = 0x7e, get String, with String, set (String, String); "Generic parameter by its key."
     }
     /// Edges.
@@ -307,8 +308,8 @@ table! {
         NOISE = 0x66, get f64; "Noise of the last step [dB]."
         ELECTRICITY = 0x71, get f64; "Electric energy of the last step [Wh/s]."
         MAX_SPEED = 0x41, set f64; "Limit on all its lanes [m/s]."
-        ALLOWED = 0x34, set Texts; "Vehicle classes that may drive on all its lanes."
-        DISALLOWED = 0x35, set Texts; "Vehicle classes that may not."
+        ALLOWED = 0x34, set Texts, newer true; "Vehicle classes that may drive on all its lanes."
+        DISALLOWED = 0x35, set Texts, newer true; "Vehicle classes that may not."
         PARAMETER = 0x7e, get String, with String, set (String, String); "Generic parameter by its key."
     }
     /// Lanes.

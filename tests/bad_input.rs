@@ -1,0 +1,275 @@
+//! Wrong input ends with exit code 1, a message that says where and what, and no file left behind.
+
+use std::{collections::BTreeSet, fs, path::Path};
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+/// A folder with a small scenario.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let nets = Path::new(env!("CARGO_MANIFEST_DIR")).join("sumo_nets/light");
+    for entry in fs::read_dir(nets).unwrap().flatten().filter(|e| e.path().is_file()) {
+        fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
+    }
+    write(
+        &folder,
+        "scenario.toml",
+        "[sumo]\nconfig = \"light.sumocfg\"\n\n[controller]\nname = \"classic\"\nk_p = 1.0\n",
+    );
+    folder
+}
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    fs::write(folder.path().join(name), text).unwrap();
+}
+
+fn command(folder: &TempDir, arguments: &[&str]) -> Command {
+    let mut command = Command::cargo_bin("sumo-mfc").unwrap();
+    command.current_dir(folder.path()).args(arguments);
+    command
+}
+
+fn files(folder: &TempDir) -> BTreeSet<String> {
+    fs::read_dir(folder.path()).unwrap().flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect()
+}
+
+/// Runs `sumo-mfc ARGUMENTS`, expects it to refuse, and its message to contain all of `parts`.
+fn refused(folder: &TempDir, arguments: &[&str], parts: &[&str]) {
+    let before = files(folder);
+    let output = command(folder, arguments).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
+    assert!(output.stdout.is_empty(), "{arguments:?} wrote to stdout");
+    for part in parts {
+        assert!(message.contains(part), "{arguments:?}: no \"{part}\" in\n{message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+    assert_eq!(files(folder), before, "{arguments:?} left a file behind");
+}
+
+/// Runs `sumo-mfc run` on a scenario of this text.
+fn refused_scenario(text: &str, parts: &[&str]) {
+    let folder = folder();
+    write(&folder, "bad.toml", text);
+    refused(&folder, &["run", "bad.toml"], parts);
+}
+
+#[test]
+fn missing_files() {
+    refused(&folder(), &["run", "nowhere.toml"], &["nowhere.toml: cannot be read"]);
+    refused(&folder(), &["run", "nowhere.sumocfg"], &["nowhere.sumocfg: cannot be read"]);
+    refused_scenario("[sumo]\n\nconfig = \"no.sumocfg\"", &["bad.toml:3: sumo.config: ", "no.sumocfg does not exist"]);
+    refused_scenario(
+        "[sumo]\nnet = \"light.net.xml\"\nroutes = [\"light.rou.xml\",\n  \"no.rou.xml\"]",
+        &["bad.toml:3: sumo.routes: ", "no.rou.xml does not exist"],
+    );
+    refused_scenario(
+        "[sumo]\nconfig = \"light.sumocfg\"\n[target]\nname = \"profile\"\nfile = \"no.csv\"",
+        &["bad.toml:5: target.file: ", "no.csv does not exist"],
+    );
+    refused_scenario(
+        "[sumo]\nconfig = \"${NO_SUCH_VARIABLE}/a.sumocfg\"",
+        &["bad.toml:2", "environment variable is not set"],
+    );
+}
+
+#[test]
+fn files_that_a_configuration_names_are_missed_with_its_line() {
+    let folder = folder();
+    let configuration = fs::read_to_string(folder.path().join("light.sumocfg")).unwrap();
+    write(&folder, "bad.sumocfg", &configuration.replace("light.rou.xml", "no.rou.xml"));
+    let line = 1 + configuration.lines().position(|l| l.contains("light.rou.xml")).unwrap();
+    refused(
+        &folder,
+        &["run", "bad.sumocfg"],
+        &[&format!("bad.sumocfg:{line}: route-files: "), "no.rou.xml does not exist"],
+    );
+}
+
+#[test]
+fn misspelt_keys_and_sections() {
+    let scenario = "[sumo]\nconfig = \"light.sumocfg\"\n";
+    refused_scenario(
+        &format!("{scenario}\n[controler]\nname = \"classic\""),
+        &["bad.toml:4: unknown key controler; did you mean controller?"],
+    );
+    refused_scenario(
+        &format!("{scenario}[controller]\nname = \"classic\"\nkp = 1.0"),
+        &["bad.toml:5: unknown key controller.kp; did you mean controller.k_p?", "known here: name, k_p"],
+    );
+    refused_scenario(
+        &format!("{scenario}[[group]]\nselect = \"all\"\n[group.vehicle]\nmas_kg = 1000"),
+        &["bad.toml:6: unknown key group.0.vehicle.mas_kg; did you mean group.0.vehicle.mass_kg?"],
+    );
+    refused_scenario(
+        &format!("{scenario}[vehicle]\nmass_kg = {{ distribution = \"normal\", mean = 1000, sdt = 10 }}"),
+        &["bad.toml:4: unknown key vehicle.mass_kg.sdt; did you mean vehicle.mass_kg.std?"],
+    );
+}
+
+#[test]
+fn wrong_units_types_and_ranges() {
+    for (section, line, parts) in [
+        ("actuator", "delay_ms = 250", ["actuator.delay_ms", "did you mean actuator.delay_s?"]),
+        ("actuator", "delay_s = \"250 ms\"", ["found \"250 ms\"", "wanted a number in s from 0 to 5"]),
+        ("actuator", "delay_s = 250", ["found 250", "wanted a number in s from 0 to 5"]),
+        ("actuator", "delay_s = nan", ["found NaN", "wanted a number in s"]),
+        ("noise", "power_db = true", ["found true", "wanted a number in dB"]),
+        ("coupling", "control_period_s = 0.03", ["a whole number of control periods", "control_period_s = 0.03"]),
+        ("controller", "estimator = \"algebra\"", ["found \"algebra\"", "did you mean \"algebraic\"?"]),
+        ("plant", "name = 7", ["plant.name: found 7", "wanted a text"]),
+        ("egos", "select = \"share:2\"", ["found \"share:2\"", "wanted share:X with X from 0 to 1"]),
+        ("output", "trace_file = \"../trace.csv\"", ["output.trace_file", "a file name without folder"]),
+        ("output", "vehicles = \"vehicles.txt\"", ["output.vehicles", ".csv, .parquet or .xml"]),
+    ] {
+        let text = format!("[sumo]\nconfig = \"light.sumocfg\"\n[{section}]\n{line}\n");
+        refused_scenario(&text, &[&["bad.toml:4: "], parts.as_slice()].concat());
+    }
+    refused_scenario(
+        "[sumo]\nconfig = \"light.sumocfg\"\nseed = -1",
+        &["bad.toml:3: sumo.seed: found -1", "from 0 to 2147483647"],
+    );
+    refused_scenario(
+        "[sumo]\nconfig = \"light.sumocfg\"\nstep_length_s = 0.0155",
+        &["bad.toml:3", "whole number of milliseconds"],
+    );
+    refused_scenario(
+        "sumo = \"light.sumocfg\"",
+        &["bad.toml:1: sumo: found \"light.sumocfg\", wanted a section [sumo]"],
+    );
+    refused_scenario(
+        "name = \"../elsewhere\"\n[sumo]\nconfig = \"light.sumocfg\"",
+        &["bad.toml:1: name", "without slashes"],
+    );
+}
+
+#[test]
+fn unknown_names() {
+    let folder = folder();
+    refused(
+        &folder,
+        &["run", "scenario.toml", "--controller", "adaptve"],
+        &[
+            "--controller adaptve: controller.name: unknown controller \"adaptve\" (did you mean \"adaptive\"?)",
+            "known: ",
+        ],
+    );
+    refused(
+        &folder,
+        &["run", "scenario.toml", "--target", "limits"],
+        &["unknown target \"limits\" (did you mean \"limit\"?)"],
+    );
+    refused_scenario(
+        "[sumo]\nconfig = \"light.sumocfg\"\n[controller]\nname = \"clasic\"",
+        &["bad.toml:4: controller.name: unknown controller \"clasic\" (did you mean \"classic\"?)"],
+    );
+    refused(
+        &folder,
+        &["run", "scenario.toml", "--set", "vehicle.preset=lorry"],
+        &["vehicle.preset: unknown body \"lorry\""],
+    );
+}
+
+#[test]
+fn arguments_are_named_in_their_errors() {
+    let folder = folder();
+    let set = |argument: &str, parts: &[&str]| refused(&folder, &["run", "scenario.toml", "--set", argument], parts);
+    set("controller.kp=1.2", &["--set controller.kp=1.2: unknown key controller.kp; did you mean controller.k_p?"]);
+    set("controller.k_p=fast", &["--set controller.k_p=fast: controller.k_p: found \"fast\", wanted a number in 1/s"]);
+    set("controller.k_p", &["wanted KEY=VALUE"]);
+    set("=1", &["wanted KEY=VALUE"]);
+    set("controller.k_p.x=1", &["controller.k_p.x: found k_p = 1.0, wanted k_p to be a table"]);
+    set("group.0.select=all", &["--set group.0.select=all: group: found a table, wanted groups"]);
+    set("traffic.sigma=2", &["--set traffic.sigma=2: traffic.sigma: found 2, wanted a number from 0 to 1"]);
+    refused(&folder, &["run", "scenario.toml", "--egos", "clas:bus"], &["--egos clas:bus: egos.select", "class:NAME"]);
+    refused(&folder, &["run", "scenario.toml", "--egos", "class:buss"], &["did you mean class:bus?"]);
+    refused(
+        &folder,
+        &["run", "scenario.toml", "--seed", "x"],
+        &["--seed x: sumo.seed: found \"x\", wanted a whole number"],
+    );
+    refused(
+        &folder,
+        &["run", "scenario.toml", "--step-length", "0"],
+        &["--step-length 0: sumo.step_length_s: found 0"],
+    );
+    refused(
+        &folder,
+        &["run", "scenario.toml", "--", "--seed", "3"],
+        &["sumo.options: found --seed", "--seed or sumo.seed"],
+    );
+}
+
+#[test]
+fn usage_errors_exit_with_1_and_help_with_0() {
+    let folder = folder();
+    refused(&folder, &["fly"], &["fly"]);
+    refused(&folder, &[], &["Usage"]);
+    refused(&folder, &["run", "scenario.toml", "--spede", "3"], &["--spede"]);
+    refused(&folder, &["run", "scenario.toml", "--net", "light.net.xml"], &["cannot be used with"]);
+    refused(&folder, &["run"], &["nothing to run", "sumo.config"]);
+    for arguments in [&["--help"][..], &["--version"], &["run", "--help"], &["list"], &["check", "--template"]] {
+        let output = command(&folder, arguments).output().unwrap();
+        assert!(output.status.success() && !output.stdout.is_empty() && output.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn networks_without_routes() {
+    let folder = folder();
+    let command = "randomTrips.py\" -n light.net.xml -o light.trips.xml";
+    refused(&folder, &["run", "light.net.xml"], &["light.net.xml: a network without routes", command]);
+    refused(
+        &folder,
+        &["run", "--net", "light.net.xml"],
+        &["a network without routes", "randomTrips.py\" -n ", "light.trips.xml -e"],
+    );
+    write(&folder, "bare.sumocfg", "<configuration><net-file value=\"light.net.xml\"/></configuration>");
+    refused(&folder, &["run", "bare.sumocfg"], &["a network without routes", "randomTrips.py"]);
+    write(&folder, "empty.sumocfg", "<configuration></configuration>");
+    refused(&folder, &["run", "empty.sumocfg"], &["empty.sumocfg: neither", "network"]);
+}
+
+#[test]
+fn empty_demand() {
+    let folder = folder();
+    write(&folder, "none.rou.xml", "<routes>\n<vType id=\"a\"/>\n<!-- <trip id=\"x\"/> -->\n</routes>");
+    refused(
+        &folder,
+        &["run", "--net", "light.net.xml", "--routes", "none.rou.xml"],
+        &["--routes none.rou.xml: sumo.routes: no vehicle, trip or flow in", "none.rou.xml"],
+    );
+    write(
+        &folder,
+        "none.sumocfg",
+        "<configuration>\n<net-file value=\"light.net.xml\"/>\n<r value=\"none.rou.xml\"/>\n</configuration>",
+    );
+    refused(&folder, &["run", "none.sumocfg"], &["none.sumocfg:3: r: no vehicle, trip or flow in"]);
+}
+
+#[test]
+fn broken_files() {
+    refused_scenario("[sumo]\nconfig = light.sumocfg", &["bad.toml:2: "]);
+    refused_scenario("[sumo]\nseed = 1\nseed = 2", &["bad.toml:3: ", "duplicate key"]);
+    let folder = folder();
+    write(&folder, "bad.sumocfg", "<configuration>\n<input>\n<net-file value=\"light.net.xml\">\n</configuration>");
+    refused(&folder, &["run", "bad.sumocfg"], &["bad.sumocfg:4: not XML"]);
+    fs::write(folder.path().join("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
+    refused(&folder, &["run", "binary.toml"], &["binary.toml: cannot be read"]);
+}
+
+#[test]
+fn results_are_not_overwritten() {
+    let folder = folder();
+    write(&folder, "file", "");
+    refused(&folder, &["run", "scenario.toml", "-o", "file/results"], &["file/results"]);
+    assert_eq!(fs::read(folder.path().join("file")).unwrap(), b"");
+
+    let out = folder.path().join("out/scenario-classic-23423");
+    fs::create_dir_all(&out).unwrap();
+    fs::write(out.join("vehicles.csv"), "id\n").unwrap();
+    fs::write(out.join("summary.json"), "{}").unwrap();
+    refused(&folder, &["run", "scenario.toml"], &["scenario-classic-23423", "--force"]);
+    assert_eq!(fs::read(out.join("vehicles.csv")).unwrap(), b"id\n");
+}
