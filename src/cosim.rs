@@ -17,6 +17,7 @@ pub mod bodies;
 pub mod book;
 pub mod lead;
 pub mod newcomers;
+mod seen;
 pub mod self_check;
 pub mod state;
 
@@ -35,6 +36,7 @@ use state::State;
 /// TraCI variables that are read in every step.
 mod variable {
     pub const SPEED: u8 = 0x40;
+    pub const SPEED_WITHOUT_TRACI: u8 = 0xb1;
     pub const ANGLE: u8 = 0x43;
     pub const LANE_ID: u8 = 0x51;
     pub const TIME: u8 = 0x66;
@@ -185,12 +187,13 @@ impl World {
         let readings = self.compose()?;
         let reply = self.client.exchange(&self.batch).await?;
         self.state.absorb(&reply, readings)?;
+        if self.state.colliding {
+            // Before the records of vehicles that a collision ended.
+            self.count_collisions().await?;
+        }
         self.state.settle_events();
         let follow = if self.fault == Fault::StepReference { Follow::Target } else { Follow::Traffic };
         self.state.advance_followers(follow);
-        if self.state.colliding {
-            self.count_collisions().await?;
-        }
         Ok(())
     }
 
@@ -213,7 +216,7 @@ impl World {
         }
         for key in &newcomers {
             let ego = &state.book[*key];
-            let speed = if self.fault == Fault::SpeedWithoutTraci { 0xb1 } else { variable::SPEED };
+            let speed = if self.fault == Fault::SpeedWithoutTraci { variable::SPEED_WITHOUT_TRACI } else { variable::SPEED };
             let wanted = [speed, variable::ANGLE, variable::LANE_ID];
             let wanted = if ego.lead.is_some() { &wanted[..] } else { &wanted[..2] };
             self.batch.subscribe(Domain::Vehicle, &ego.id, wanted, state.time_s)?;

@@ -2,6 +2,7 @@
 //! odometers, roads and collisions.
 
 use super::book::{Book, Ego, EgoKey, Presence};
+use super::seen::{Seen, Values, seen};
 use super::{CosimError, variable};
 use crate::fleet::block::{Bound, Follow};
 use crate::fleet::{Clockwork, Fleet, GroupSetup};
@@ -190,6 +191,7 @@ impl State {
         self.step += 1;
         self.book.rewind();
         self.lost.clear();
+        self.colliding = false;
         for block in reply.blocks() {
             let block = block?;
             match block.domain {
@@ -201,47 +203,48 @@ impl State {
         Ok(())
     }
 
+    /// Every client is sent every client's subscriptions: of what is here twice the last stays, what is not here is
+    /// in another block.
     fn see_simulation(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
-        self.colliding = false;
-        for list in [&mut self.came, &mut self.left, &mut self.carried] {
-            list.clear();
-        }
         for entry in block.values() {
             let (id, Ok(value)) = entry? else { continue };
-            let texts = value.as_texts().into_iter().flatten();
-            match id {
-                variable::TIME => self.time_s = value.as_f64().unwrap_or(self.time_s),
-                variable::EXPECTED => self.expected = value.as_i32().unwrap_or(self.expected),
-                variable::DEPARTED => self.came.extend(texts.map(str::to_owned)),
-                variable::ARRIVED => self.left.extend(texts.map(str::to_owned)),
-                variable::TELEPORT_START => self.carried.extend(texts.map(str::to_owned)),
-                variable::COLLIDING => self.colliding = texts.count() > 0,
-                _ => {}
-            }
+            let list = match id {
+                variable::TIME => {
+                    self.time_s = value.as_f64().unwrap_or(self.time_s);
+                    continue;
+                }
+                variable::EXPECTED => {
+                    self.expected = value.as_i32().unwrap_or(self.expected);
+                    continue;
+                }
+                variable::COLLIDING => {
+                    self.colliding = value.as_texts().into_iter().flatten().count() > 0;
+                    continue;
+                }
+                variable::DEPARTED => &mut self.came,
+                variable::ARRIVED => &mut self.left,
+                variable::TELEPORT_START => &mut self.carried,
+                _ => continue,
+            };
+            list.clear();
+            list.extend(value.as_texts().into_iter().flatten().map(str::to_owned));
         }
         Ok(())
     }
 
     fn see_vehicle(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
+        let Values { speed, angle, lane } = match seen(block)? {
+            Seen::Ours(values) => values,
+            Seen::Gone => {
+                self.lost.extend(self.book.next_in_reply(block.id));
+                return Ok(());
+            }
+            Seen::Others => return Ok(()),
+        };
         let Some(key) = self.book.next_in_reply(block.id) else { return Ok(()) };
         let ego = &mut self.book[key];
         ego.seen_in_step = self.step;
-        let (speed, angle) = if ego.lead.is_some() {
-            let Some((speed, angle, lane)) = leading_values(block)? else {
-                self.lost.push(key);
-                return Ok(());
-            };
-            see_lane(ego, lane, &self.lane_limits_mps, &mut self.unknown_lanes);
-            (speed, angle)
-        } else {
-            let mut values = block.values();
-            let (Some(speed), Some(angle)) = (values.next(), values.next()) else { return Ok(()) };
-            let (Ok(speed), Ok(angle)) = (speed?.1, angle?.1) else {
-                self.lost.push(key);
-                return Ok(());
-            };
-            (speed.as_f64(), angle.as_f64())
-        };
+        see_lane(ego, lane, &self.lane_limits_mps, &mut self.unknown_lanes);
         match speed {
             Some(speed_mps) => self.drive(key, speed_mps, angle),
             None => self.carry(key),
@@ -449,23 +452,6 @@ impl State {
             self.end(key, reason);
         }
     }
-}
-
-type Leading<'a> = (Option<f64>, Option<f64>, Option<&'a str>);
-
-/// Speed, angle and lane of a leading ego; `None` if it is gone.
-fn leading_values<'a>(block: &Block<'a>) -> Result<Option<Leading<'a>>, CosimError> {
-    let mut found: Leading<'a> = (None, None, None);
-    for entry in block.values() {
-        let (id, Ok(value)) = entry? else { return Ok(None) };
-        match id {
-            variable::SPEED => found.0 = value.as_f64(),
-            variable::ANGLE => found.1 = value.as_f64(),
-            variable::LANE_ID => found.2 = value.as_str(),
-            _ => {}
-        }
-    }
-    Ok(Some(found))
 }
 
 fn see_lane(ego: &mut Ego, lane: Option<&str>, limits_mps: &HashMap<String, f64>, unknown: &mut Vec<String>) {

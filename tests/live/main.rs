@@ -1,0 +1,10 @@
+//! The program against real SUMO, the newest and the oldest supported version. A missing SUMO is a failure, not a skip.
+
+mod city;
+mod coupling;
+mod determinism;
+mod faults;
+mod foreign;
+mod identical;
+mod lifecycle;
+mod support;
