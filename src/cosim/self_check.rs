@@ -88,7 +88,7 @@ pub async fn examine(client: Client, setup: WorldSetup) -> Result<Vec<Check>, Co
     world.hand_back().await?;
     let step_s = world.state.step_s;
     let state = world.close().await?;
-    let gap = |id: &str| state.finished.iter().find(|f| f.id == id).and_then(|f| f.odometer_gap_m);
+    let gap = |id: &str| state.finished.iter().find(|f| &*f.id == id).and_then(|f| f.odometer_gap_m);
     Ok(EGOS.iter().zip(&egos).flat_map(|(id, drive)| judge(id, drive, &plain, gap(id), step_s)).collect())
 }
 
@@ -102,7 +102,7 @@ impl World {
             .state
             .book
             .iter()
-            .map(|ego| Ok((ego.id.clone(), self.batch.get_by_prefix(vehicle::SPEED, &ego.prefix)?)))
+            .map(|ego| Ok((ego.id.to_string(), self.batch.get_by_prefix(vehicle::SPEED, &ego.prefix)?)))
             .collect();
         let asked = asked?;
         if self.batch.is_empty() {
