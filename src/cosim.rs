@@ -216,7 +216,8 @@ impl World {
         }
         for key in &newcomers {
             let ego = &state.book[*key];
-            let speed = if self.fault == Fault::SpeedWithoutTraci { variable::SPEED_WITHOUT_TRACI } else { variable::SPEED };
+            let speed =
+                if self.fault == Fault::SpeedWithoutTraci { variable::SPEED_WITHOUT_TRACI } else { variable::SPEED };
             let wanted = [speed, variable::ANGLE, variable::LANE_ID];
             let wanted = if ego.lead.is_some() { &wanted[..] } else { &wanted[..2] };
             self.batch.subscribe(Domain::Vehicle, &ego.id, wanted, state.time_s)?;
