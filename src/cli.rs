@@ -25,6 +25,8 @@ pub enum Command {
     Check(Box<CheckArgs>),
     /// List controllers, targets, plants and bodies: kind, name, summary
     List,
+    /// Find SUMO, make one real step, and check the coupling
+    Doctor,
 }
 
 /// Which scenario, and what is different from its file.

@@ -18,6 +18,7 @@ pub mod book;
 pub mod lead;
 pub mod newcomers;
 mod seen;
+pub mod self_check;
 pub mod state;
 
 use crate::fleet::block::Follow;
@@ -196,20 +197,8 @@ impl World {
         for key in &newcomers {
             lead::take_over(&mut self.batch, &state.book[*key], &state.fleet, self.sigma)?;
         }
-        for key in state.book.keys() {
-            let ego = &state.book[*key];
-            if ego.presence == Presence::Teleporting {
-                continue;
-            }
-            let (block, lane) = (state.fleet.block(ego.slot), ego.slot.lane());
-            let speed_mps = block.speed_mps(lane);
-            match (&ego.lead, self.fault) {
-                (Some(lead), _) => self.batch.set_speed(&ego.prefix, lead.command_mps)?,
-                (None, Fault::NotSentBack) => continue,
-                (None, Fault::SpeedWithoutTraci) => self.batch.set_speed(&ego.prefix, speed_mps)?,
-                (None, _) => self.batch.set_previous_speed(&ego.prefix, speed_mps, block.acceleration_mps2(lane))?,
-            };
-        }
+        self.put_speeds()?;
+        let state = &self.state;
         let readings = if state.reads_now() { Some(self.batch.len()) } else { None };
         if readings.is_some() {
             for ego in state.book.iter() {
@@ -226,6 +215,26 @@ impl World {
         }
         self.batch.step()?;
         Ok(readings)
+    }
+
+    /// Tells SUMO the speed of every body on the road.
+    fn put_speeds(&mut self) -> Result<(), CosimError> {
+        let state = &self.state;
+        for key in state.book.keys() {
+            let ego = &state.book[*key];
+            if ego.presence == Presence::Teleporting {
+                continue;
+            }
+            let (block, lane) = (state.fleet.block(ego.slot), ego.slot.lane());
+            let speed_mps = block.speed_mps(lane);
+            match (&ego.lead, self.fault) {
+                (Some(lead), _) => self.batch.set_speed(&ego.prefix, lead.command_mps)?,
+                (None, Fault::NotSentBack) => continue,
+                (None, Fault::SpeedWithoutTraci) => self.batch.set_speed(&ego.prefix, speed_mps)?,
+                (None, _) => self.batch.set_previous_speed(&ego.prefix, speed_mps, block.acceleration_mps2(lane))?,
+            };
+        }
+        Ok(())
     }
 
     /// The limits of lanes that leading egos have come to.
@@ -284,6 +293,11 @@ impl World {
     pub async fn close(self) -> Result<State, CosimError> {
         self.client.close().await?;
         Ok(self.state)
+    }
+
+    /// Time spent waiting for SUMO so far.
+    pub fn waited(&self) -> std::time::Duration {
+        self.client.waited()
     }
 
     /// What is known when SUMO cannot be left in order any more.

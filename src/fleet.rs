@@ -13,8 +13,10 @@ use crate::lanes::LANES;
 use crate::plant::{Body, Plant};
 use crate::random::Stream;
 use crate::stats::VehicleStats;
+use crate::stopwatch::Stopwatch;
 use block::{Block, Follow};
 use rayon::prelude::*;
+use std::time::Duration;
 
 /// Fewer blocks than this are advanced on the calling thread: waking a second one would cost more.
 const PARALLEL_FROM_BLOCKS: usize = 8;
@@ -93,13 +95,45 @@ pub struct Fleet {
     clockwork: Clockwork,
     groups: Vec<Group>,
     blocks: Vec<Block>,
+    stopwatch: Stopwatch<1>,
+}
+
+/// Where the time of a fleet went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FleetTime {
+    /// Measuring, laws, actuators.
+    pub control: Duration,
+    /// Steering, bodies, standstill.
+    pub plant: Duration,
+    /// Statistics by control period.
+    pub statistics: Duration,
 }
 
 impl Fleet {
     /// An empty fleet.
     pub fn new(clockwork: Clockwork, groups: Vec<GroupSetup>) -> Self {
         let groups = groups.into_iter().map(|setup| Group { setup, free: Vec::new() }).collect();
-        Self { clockwork, groups, blocks: Vec::new() }
+        Self { clockwork, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
+    }
+
+    /// From now on notes where its time goes, [`Fleet::time_spent`].
+    pub fn time_yourself(&mut self) {
+        self.stopwatch = Stopwatch::new(true);
+        for block in &mut self.blocks {
+            block.stopwatch = Stopwatch::new(true);
+        }
+    }
+
+    /// The time that [`Fleet::advance`] took so far, divided as the blocks spent it: with several threads the sum over
+    /// blocks is larger than the time that passed.
+    pub fn time_spent(&self) -> FleetTime {
+        let [passed] = self.stopwatch.spent();
+        let sum = |part: usize| self.blocks.iter().map(|b| b.stopwatch.spent()[part]).sum::<Duration>();
+        let parts = [block::CONTROL, block::PLANT, block::STATISTICS].map(sum);
+        let all_s = parts.iter().sum::<Duration>().as_secs_f64();
+        let share = |part: Duration| passed.mul_f64(if all_s > 0.0 { part.as_secs_f64() / all_s } else { 0.0 });
+        let [control, plant, statistics] = parts.map(share);
+        FleetTime { control, plant, statistics }
     }
 
     /// Control period [s].
@@ -121,6 +155,7 @@ impl Fleet {
         let index = self.blocks.len();
         let setup = &self.groups[group].setup;
         self.blocks.push(Block::new(group, (setup.controller)(), self.clockwork.period_s, setup.dead_time_max_s));
+        self.blocks[index].stopwatch = Stopwatch::new(self.stopwatch.is_on());
         self.groups[group].free.extend((0..LANES).rev().map(|lane| Slot::new(index, lane)));
     }
 
@@ -156,6 +191,7 @@ impl Fleet {
     /// Lets every block for which `select` is true follow `follow` over `periods` control periods. With several
     /// threads the blocks are shared out; each works alone, so the result does not depend on how.
     pub fn advance(&mut self, periods: u32, select: impl Fn(&Block) -> bool + Sync, follow: Follow) {
+        self.stopwatch.start();
         let clockwork = &self.clockwork;
         let work = |block: &mut Block| {
             if !block.is_empty() && select(block) {
@@ -167,6 +203,7 @@ impl Fleet {
         } else {
             self.blocks.par_iter_mut().for_each(work);
         }
+        self.stopwatch.lap(0);
     }
 
     /// Counts the step just done, once SUMO's speeds at its end are known ([`Block::see_speed`]).

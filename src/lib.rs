@@ -5,18 +5,19 @@
 //! lower floors; `tests/tidy.rs` holds the code to it.
 //! ```text
 //! 6  main                                      the command line
-//! 5  compare  paper  report                    many runs; the paper's experiments; tables and plots
+//! 5  compare  paper  report  doctor            many runs; the paper's experiments; tables and plots; is all well?
 //! 4  run                                       one scenario -> one result
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
 //! 1  fleet                                     the closed loop on columns; where floor-0 rooms meet
-//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes registry random
+//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes registry random stopwatch
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
 pub mod compare;
 pub mod control;
 pub mod cosim;
+pub mod doctor;
 pub mod fleet;
 pub mod keys;
 pub mod lanes;
@@ -29,4 +30,5 @@ pub mod registry;
 pub mod run;
 pub mod scenario;
 pub mod stats;
+pub mod stopwatch;
 pub mod traci;

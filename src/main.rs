@@ -14,6 +14,8 @@ use cli::{CheckArgs, Cli, Command, CompareArgs, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
     compare::{COMPARISON, parse_seeds, run_all, terminal_table},
+    cosim::Fault,
+    doctor,
     output::{terminal_text, write_table},
     run::{self, RunOptions},
     scenario::{Catalog, Scenario, ScenarioError, template},
@@ -34,6 +36,7 @@ fn main() -> ExitCode {
         Command::Compare(args) => compare(&args),
         Command::Check(args) => check(&args),
         Command::List => list(),
+        Command::Doctor => doctor(),
     };
     done.unwrap_or_else(|report| {
         eprintln!("{report:?}");
@@ -51,12 +54,16 @@ fn run(args: &RunArgs) -> miette::Result<ExitCode> {
         force: args.force,
         threads: args.threads.map(usize::from),
         progress: !args.quiet && std::io::stderr().is_terminal(),
+        profile: args.profile,
     };
     let result = run::run(&scenario, &options)?;
     if !args.quiet {
         notes(&result.notes);
     }
     print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
+    if let Some(profile) = result.profile {
+        print(&profile.to_string())?;
+    }
     Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
 }
 
@@ -82,6 +89,7 @@ fn compare(args: &CompareArgs) -> miette::Result<ExitCode> {
             force: args.force,
             threads: (args.jobs > 1).then_some(1),
             progress: args.jobs == 1 && !args.quiet && std::io::stderr().is_terminal(),
+            profile: false,
         };
         run::run(&scenarios[&(controller.to_owned(), seed)], &options)?.whole()
     })
@@ -106,6 +114,12 @@ fn list() -> miette::Result<ExitCode> {
         registry.entries.iter().map(|e| format!("{}\t{}\t{}\n", registry.kind, e.name, e.summary))
     });
     print(&lines.collect::<String>())
+}
+
+fn doctor() -> miette::Result<ExitCode> {
+    let report = doctor::examine(None, Fault::None);
+    print(&report.to_string())?;
+    Ok(if report.is_well() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn notes(notes: &[String]) {

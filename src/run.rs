@@ -3,6 +3,7 @@
 //! Whatever ends a run early (SUMO died, the disk is full, Ctrl-C) leaves what was computed so far, marked incomplete.
 
 mod outcome;
+mod profile;
 mod progress;
 mod setup;
 mod writers;
@@ -14,6 +15,7 @@ use crate::reference::ReferenceError;
 use crate::registry::UnknownName;
 use crate::scenario::{Scenario, ScenarioError, SumoCommand, sumo_arguments};
 use crate::traci::{self, Client, SumoProcess, find_named};
+use profile::Profiler;
 use progress::Progress;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,8 +23,13 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 use writers::Writers;
 
+pub use profile::Profile;
+pub use setup::world;
+
 /// How long SUMO may take to load, and to answer one message.
 const PATIENCE: Duration = Duration::from_secs(600);
+/// How long SUMO may take to complete its outputs.
+const LAST_OUTPUTS: Duration = Duration::from_secs(120);
 /// A configuration without an end runs this long if nobody ever arrives [s].
 const ENDLESS_S: f64 = 3600.0;
 
@@ -37,6 +44,8 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Show a progress bar.
     pub progress: bool,
+    /// Measure where the time of a step goes.
+    pub profile: bool,
 }
 
 /// A signal that ended a run.
@@ -73,6 +82,8 @@ pub struct RunResult {
     pub notes: Vec<String>,
     /// Set if a signal ended the run early.
     pub interrupted: Option<Signal>,
+    /// Where the time of a step went, if that was asked for.
+    pub profile: Option<Profile>,
 }
 
 impl RunResult {
@@ -160,6 +171,8 @@ struct Run<'a> {
     signal: Arc<AtomicU8>,
     begin_s: f64,
     started: Instant,
+    profiler: Profiler,
+    profile: Option<Profile>,
 }
 
 impl<'a> Run<'a> {
@@ -172,7 +185,19 @@ impl<'a> Run<'a> {
         dir.write_manifest(&manifest)?;
         let notes = Vec::new();
         let signal = Arc::new(AtomicU8::new(0));
-        Ok(Self { scenario, options, dir, manifest, command, notes, signal, begin_s: 0.0, started: Instant::now() })
+        Ok(Self {
+            scenario,
+            options,
+            dir,
+            manifest,
+            command,
+            notes,
+            signal,
+            begin_s: 0.0,
+            started: Instant::now(),
+            profiler: Profiler::new(options.profile),
+            profile: None,
+        })
     }
 
     async fn carry_out(mut self) -> Result<RunResult, RunError> {
@@ -184,7 +209,7 @@ impl<'a> Run<'a> {
         match self.drive(client, &mut process).await {
             Ok((state, writers)) => {
                 if let Some(process) = process {
-                    process.shut_down().await?;
+                    process.shut_down(LAST_OUTPUTS).await?;
                 }
                 self.write(state, writers, None)
             }
@@ -234,7 +259,9 @@ impl<'a> Run<'a> {
         self.begin_s = world.state.time_s;
         let mut writers = Writers::open(self.scenario, &self.dir, &world.state)?;
         let progress = Progress::new(self.options.progress, self.begin_s, end_s);
+        self.profiler.begin(&mut world);
         let stepped = self.step_to(&mut world, &mut writers, end_s, &progress).await;
+        self.profile = self.profiler.profile(&world);
         progress.close();
         let closed = match stepped {
             Ok(()) => world.hand_back().await.map_err(RunError::from),
@@ -280,8 +307,10 @@ impl<'a> Run<'a> {
                 return Ok(());
             }
             world.step().await?;
+            self.profiler.stepped(world);
             writers.step(&mut world.state)?;
             progress.show(&world.state);
+            self.profiler.written();
         }
     }
 
@@ -314,6 +343,7 @@ impl<'a> Run<'a> {
             files: self.manifest.files.clone(),
             notes: self.notes.clone(),
             interrupted,
+            profile: self.profile,
         })
     }
 

@@ -22,6 +22,7 @@ const FLOORS: &[(&str, u8)] = &[
     ("cosim", 3),
     ("run", 4),
     ("compare", 5),
+    ("doctor", 5),
     ("paper", 5),
     ("report", 5),
     ("sweep", 5),
@@ -30,10 +31,10 @@ const FLOORS: &[(&str, u8)] = &[
 ];
 
 /// Imported by every room; they import only each other.
-const COMMON_GROUND: &[&str] = &["keys", "lanes", "random", "registry"];
+const COMMON_GROUND: &[&str] = &["keys", "lanes", "random", "registry", "stopwatch"];
 
 /// Rooms or files (path below src/ without `.rs`) that may name tokio.
-const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "cli", "main"];
+const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "doctor", "cli", "main"];
 
 /// Rooms or files that may touch files and clocks.
 const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
@@ -43,6 +44,9 @@ const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "traci/client",
     "traci/process",
     "run",
+    "doctor",
+    // Shows people where time goes; nothing is decided by it.
+    "stopwatch",
     "compare",
     "sweep",
     "paper",

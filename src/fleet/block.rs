@@ -9,6 +9,7 @@ use crate::measurement::Measurement;
 use crate::plant::{Actuators, Inputs, PlantBlock, State};
 use crate::reference::Profile;
 use crate::stats::{Sample, StatsBlock, StepSample, Sums, VehicleStats};
+use crate::stopwatch::Stopwatch;
 
 /// Slower than this and wanted at rest: the brake holds and all states are exactly 0 [m/s].
 pub const HOLD_BELOW_MPS: f64 = 0.05;
@@ -39,6 +40,11 @@ pub enum Bound {
     /// SUMO clamped the commanded speed.
     Clamp,
 }
+
+/// The parts of a block's work, as its stopwatch books them.
+pub(super) const CONTROL: usize = 0;
+pub(super) const PLANT: usize = 1;
+pub(super) const STATISTICS: usize = 2;
 
 /// The reference of one control period.
 struct Demand {
@@ -80,6 +86,7 @@ pub struct Block {
     lead_limited: Flags,
     curvature_limited: Flags,
     bound: [Bound; LANES],
+    pub(super) stopwatch: Stopwatch<3>,
 }
 
 impl Block {
@@ -110,6 +117,7 @@ impl Block {
             lead_limited: [0.0; LANES],
             curvature_limited: [0.0; LANES],
             bound: [Bound::Traffic; LANES],
+            stopwatch: Stopwatch::new(false),
         }
     }
 
@@ -302,6 +310,7 @@ impl Block {
 
     /// One SUMO step: `periods` control periods along the reference.
     pub(super) fn step(&mut self, clockwork: &Clockwork, periods: u32, follow: Follow) {
+        self.stopwatch.start();
         let before_mps = self.plant.vx_mps;
         let step_s = f64::from(periods) * clockwork.period_s;
         self.lead_limited = match follow {
@@ -393,10 +402,12 @@ impl Block {
             self.take_speeds(&demand.end_mps, &moving, clockwork.period_s);
         } else {
             self.control(demand, &moving);
+            self.stopwatch.lap(CONTROL);
             self.steering.angles_rad(demand.share, &self.plant.vx_mps, &mut self.inputs.steer_rad);
             clockwork.plant.advance(&mut self.plant, &self.inputs, &moving, clockwork.period_s);
             self.stand_still(demand, &moving);
         }
+        self.stopwatch.lap(PLANT);
         let speed_mps = self.plant.vx_mps;
         for i in 0..LANES {
             self.reference_mps[i] = demand.end_mps[i] * (1.0 - self.held[i]);
@@ -407,6 +418,7 @@ impl Block {
             torque_nm: self.inputs.torque_nm,
             active: self.present,
         });
+        self.stopwatch.lap(STATISTICS);
     }
 
     /// An ideal vehicle has the speed that it is to have, and covers the trapezoid between the two.

@@ -12,6 +12,9 @@ use crate::scenario::{Group, Scenario};
 use std::path::Path;
 
 /// The world of a scenario.
+///
+/// # Errors
+/// A name that no registry has, or a file of a profile or tyre that cannot be used.
 pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
     let plant = find("plant", PLANTS, scenario.plant.name)?;
     let clockwork = Clockwork {

@@ -71,6 +71,7 @@ pub struct Client {
     single: Batch,
     version: SumoVersion,
     timeout: Duration,
+    waited: Duration,
     finished: bool,
 }
 
@@ -104,6 +105,7 @@ impl Client {
             single: Batch::new(),
             version: SumoVersion::parse(0, ""),
             timeout: deadline.saturating_duration_since(Instant::now()).max(RETRY),
+            waited: Duration::ZERO,
             finished: false,
         };
         let mut batch = Batch::new();
@@ -128,6 +130,12 @@ impl Client {
     /// Sets the time any later call may take.
     pub fn set_timeout(&mut self, limit: Duration) {
         self.timeout = limit;
+    }
+
+    /// Time spent so far from the first byte of a message to the last byte of its answer: SUMO's work and the socket's.
+    #[must_use]
+    pub fn waited(&self) -> Duration {
+        self.waited
     }
 
     /// Sends a batch and gives the reply: one write, one read into a buffer that is reused. Nothing is allocated once
@@ -163,11 +171,13 @@ impl Client {
         self.finished = true;
         self.inbox.clear();
         let frames = 1 + usize::from(second.is_some());
+        let asked = Instant::now();
         let (rx, tx) = self.stream.split();
         let write = write_all(tx, first.bytes(), second.map_or(&[], Batch::bytes));
         let read = read_frames(rx, &mut self.inbox, frames);
         let both = async { tokio::try_join!(write, read) };
         let ((), ends) = timeout(self.timeout, both).await.map_err(|_| Error::Timeout { after: self.timeout })??;
+        self.waited += asked.elapsed();
         self.indices[0].fill(&self.inbox[..ends[0]], first.expected())?;
         if let Some(second) = second {
             self.indices[1].fill(&self.inbox[ends[0]..ends[1]], second.expected())?;

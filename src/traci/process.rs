@@ -82,6 +82,7 @@ fn what_to_type(home: Option<&Path>, name: &str) -> String {
         "no `{name}` found ({home}; nor on the PATH, in a Python package, or below .sumo/). Type one of:\n  \
          python3 -m venv .sumo/1.28.0 && .sumo/1.28.0/bin/pip install eclipse-sumo==1.28.0\n  \
          sudo apt-get install sumo\n  \
+         make setup (in a checkout of sumo-mfc)\n  \
          export SUMO_HOME=/path/to/sumo"
     )
 }

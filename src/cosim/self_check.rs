@@ -1,0 +1,225 @@
+//! Is the coupling what it should be? Two egos (`classic`, `adaptive`) and a car of SUMO's own (`plain`) drive the same
+//! road side by side: from rest to 20 m/s, to a red light, and on when it is green. The contract is right if SUMO
+//! takes the bodies' speeds for the cars', if the egos gain speed like `plain` before and after the light, and if they
+//! stand exactly still in between. Each way to get it wrong ([`super::Fault`]) fails at least one check.
+
+use super::{CosimError, World, WorldSetup};
+use crate::traci::{Client, vehicle};
+
+/// The files of the check's scenario, by name; the last one is the scenario itself.
+pub const FILES: [(&str, &str); 3] = [
+    ("self_check.net.xml", include_str!("../../sumo_nets/self_check/self_check.net.xml")),
+    ("self_check.rou.xml", include_str!("../../sumo_nets/self_check/self_check.rou.xml")),
+    ("self_check.toml", include_str!("../../sumo_nets/self_check/self_check.toml")),
+];
+
+const EGOS: [&str; 2] = ["classic", "adaptive"];
+const PLAIN: &str = "plain";
+/// The scenario's numbers: time at which the lights turn green and the end [s], place of the light [m].
+const GREEN_S: f64 = 30.0;
+const END_S: f64 = 45.0;
+const LIGHT_M: f64 = 300.0;
+/// What SUMO's driver may gain in a second [m/s²], below this speed for sure [m/s].
+const ACCEL_MPS2: f64 = 2.6;
+const FREE_MPS: f64 = 15.0;
+/// Speed at which the egos are compared with `plain` [m/s], and how much later they may reach it [s].
+const COMPARED_MPS: f64 = 18.0;
+const LATER_S: f64 = 0.3;
+/// How long before green the cars have to stand [s].
+const STANDING_S: f64 = 2.0;
+/// Largest difference between SUMO's odometer and the body's [m].
+const GAP_M: f64 = 0.1;
+/// How exactly SUMO's next speed has to follow from the body's: rounding, nothing more [m/s].
+const EXACT_MPS: f64 = 1e-6;
+
+/// One thing that was looked at.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Check {
+    /// What should hold.
+    pub name: String,
+    /// Whether it does.
+    pub passed: bool,
+    /// What was measured.
+    pub figures: String,
+}
+
+/// One car at the end of one SUMO step.
+#[derive(Debug, Clone, Copy)]
+struct Moment {
+    time_s: f64,
+    /// The body's speed before the step, and what SUMO took the car's to be once it was told.
+    before_mps: f64,
+    believed_mps: f64,
+    /// SUMO's choice v*.
+    sumo_mps: f64,
+    /// The body's speed after the step.
+    speed_mps: f64,
+    /// Metres driven, by the body.
+    distance_m: f64,
+}
+
+/// Drives the check's scenario ([`FILES`]), which `client` has loaded and `setup` describes, and judges it.
+///
+/// # Errors
+/// If SUMO ends or answers nonsense.
+pub async fn examine(client: Client, setup: WorldSetup) -> Result<Vec<Check>, CosimError> {
+    let mut world = World::join(client, setup).await?;
+    let mut egos: [Vec<Moment>; EGOS.len()] = Default::default();
+    let mut plain = Vec::new();
+    while world.state.time_s < END_S - 0.5 * world.state.step_s {
+        let believed = world.believed_mps().await?;
+        let before = EGOS.map(|id| world.speed_and_distance(id));
+        world.step().await?;
+        let time_s = world.state.time_s;
+        for (i, id) in EGOS.into_iter().enumerate() {
+            let (Some((before_mps, _)), Some((speed_mps, distance_m))) = (before[i], world.speed_and_distance(id))
+            else {
+                continue;
+            };
+            let Some(believed_mps) = believed.iter().find(|(who, _)| who == id).map(|(_, v)| *v) else { continue };
+            let Some(sumo_mps) = world.sumo_mps(id) else { continue };
+            egos[i].push(Moment { time_s, before_mps, believed_mps, sumo_mps, speed_mps, distance_m });
+        }
+        // Not there before its departure: then it has no speed.
+        if let Ok(speed_mps) = world.client.get(vehicle::SPEED, PLAIN).await {
+            plain.push((time_s, speed_mps));
+        }
+    }
+    world.hand_back().await?;
+    let step_s = world.state.step_s;
+    let state = world.close().await?;
+    let gap = |id: &str| state.finished.iter().find(|f| &*f.id == id).and_then(|f| f.odometer_gap_m);
+    Ok(EGOS.iter().zip(&egos).flat_map(|(id, drive)| judge(id, drive, &plain, gap(id), step_s)).collect())
+}
+
+impl World {
+    /// What SUMO takes for the cars' speeds once it has been told the bodies' [m/s], by id. It is told them once more by
+    /// the step, which changes nothing.
+    async fn believed_mps(&mut self) -> Result<Vec<(String, f64)>, CosimError> {
+        self.batch.clear();
+        self.put_speeds()?;
+        let asked: Result<Vec<_>, CosimError> = self
+            .state
+            .book
+            .iter()
+            .map(|ego| Ok((ego.id.to_string(), self.batch.get_by_prefix(vehicle::SPEED, &ego.prefix)?)))
+            .collect();
+        let asked = asked?;
+        if self.batch.is_empty() {
+            return Ok(Vec::new());
+        }
+        let reply = self.client.exchange(&self.batch).await?;
+        Ok(asked.into_iter().filter_map(|(id, speed)| Some((id, reply.get(speed).ok()?))).collect())
+    }
+
+    /// Speed and odometer of a body.
+    fn speed_and_distance(&self, id: &str) -> Option<(f64, f64)> {
+        let slot = self.state.book[self.state.book.find(id)?].slot;
+        let block = self.state.fleet.block(slot);
+        Some((block.speed_mps(slot.lane()), block.distance_m(slot.lane())))
+    }
+
+    fn sumo_mps(&self, id: &str) -> Option<f64> {
+        let slot = self.state.book[self.state.book.find(id)?].slot;
+        Some(self.state.fleet.block(slot).sumo_mps(slot.lane()))
+    }
+}
+
+/// The first time after `from_s` at which the compared speed is reached [s].
+fn time_of(mut speeds: impl Iterator<Item = (f64, f64)>, from_s: f64) -> Option<f64> {
+    speeds.find(|(time_s, speed_mps)| *time_s > from_s && *speed_mps >= COMPARED_MPS).map(|(time_s, _)| time_s)
+}
+
+fn judge(id: &str, drive: &[Moment], plain: &[(f64, f64)], gap_m: Option<f64>, step_s: f64) -> Vec<Check> {
+    let check = |name: &str, passed: bool, figures: String| Check { name: format!("{id}: {name}"), passed, figures };
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).reduce(f64::max);
+
+    let told = largest(&mut drive.iter().map(|m| m.believed_mps - m.before_mps));
+    let free = |m: &&Moment| m.time_s < 0.5 * GREEN_S && m.before_mps < FREE_MPS && m.speed_mps > m.before_mps;
+    let chosen = largest(&mut drive.iter().filter(free).map(|m| m.sumo_mps - m.before_mps - ACCEL_MPS2 * step_s));
+    let difference = |what: &str, reply: Option<f64>| {
+        reply.map_or("no step to judge by".to_owned(), |v| format!("{what} by at most {v:.1e} m/s"))
+    };
+
+    let gain = |name: &str, from_s: f64| {
+        let ours = time_of(drive.iter().map(|m| (m.time_s, m.speed_mps)), from_s);
+        let theirs = time_of(plain.iter().copied(), from_s);
+        let passed = matches!((ours, theirs), (Some(a), Some(b)) if a - b <= LATER_S.max(step_s) + 1e-9);
+        let shown = |t: Option<f64>| t.map_or("never".to_owned(), |t| format!("at {t:.1} s"));
+        check(name, passed, format!("{COMPARED_MPS} m/s {}, plain SUMO {}", shown(ours), shown(theirs)))
+    };
+
+    let waiting = |m: &&Moment| m.time_s > GREEN_S - STANDING_S && m.time_s < GREEN_S;
+    let standing = drive.iter().filter(waiting);
+    let fastest = largest(&mut standing.clone().map(|m| m.speed_mps.abs().max(m.sumo_mps.abs())));
+    let place_m = standing.clone().map(|m| m.distance_m).reduce(f64::max);
+    let stands = fastest == Some(0.0) && place_m.is_some_and(|s| s > 0.0 && s < LIGHT_M);
+    let place = place_m.map_or("not there".to_owned(), |s| format!("{:.1} m before the light", LIGHT_M - s));
+    vec![
+        check("SUMO's speed is the body's", told.is_some_and(|v| v <= EXACT_MPS), difference("differs", told)),
+        check(
+            "SUMO's choice follows from it",
+            chosen.is_some_and(|v| v <= EXACT_MPS),
+            difference("off V + a·dt", chosen),
+        ),
+        gain("no creep", 0.0),
+        check("stands at the red light", stands, format!("at {} m/s, {place}", fastest.unwrap_or(f64::NAN))),
+        gain("no freeze after it", GREEN_S),
+        check(
+            "odometers agree",
+            gap_m.is_some_and(|gap| gap.abs() < GAP_M),
+            gap_m.map_or("none read".to_owned(), |gap| format!("gap {gap:.3} m")),
+        ),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A drive as it should be: to 20 m/s, a stop 1 m before the light, on at green.
+    fn drive() -> Vec<Moment> {
+        let step_s = 0.1;
+        let speed_mps = |t: f64| match t {
+            t if t < 25.0 => (ACCEL_MPS2 * (t - 1.0)).clamp(0.0, 20.0),
+            t => (ACCEL_MPS2 * (t - GREEN_S)).clamp(0.0, 20.0),
+        };
+        let moments = (10..450).map(|k| {
+            let time_s = f64::from(k) * step_s;
+            let (before_mps, after_mps) = (speed_mps(time_s - step_s), speed_mps(time_s));
+            Moment {
+                time_s,
+                before_mps,
+                believed_mps: before_mps,
+                sumo_mps: if (1.0..8.0).contains(&time_s) { before_mps + ACCEL_MPS2 * step_s } else { after_mps },
+                speed_mps: after_mps,
+                distance_m: LIGHT_M - 1.0,
+            }
+        });
+        moments.collect()
+    }
+
+    fn failed(drive: &[Moment], gap_m: Option<f64>) -> Vec<usize> {
+        let plain: Vec<_> = self::drive().iter().map(|m| (m.time_s, m.speed_mps)).collect();
+        let checks = judge("ego", drive, &plain, gap_m, 0.1);
+        (0..checks.len()).filter(|i| !checks[*i].passed).collect()
+    }
+
+    #[test]
+    fn each_deviation_fails_its_own_check() {
+        let change = |change: &dyn Fn(&mut Moment)| {
+            let mut drive = drive();
+            drive.iter_mut().for_each(change);
+            failed(&drive, Some(0.01))
+        };
+        assert_eq!(change(&|_| {}), [0; 0]);
+        assert_eq!(change(&|m| m.believed_mps += 1e-3), [0]);
+        assert_eq!(change(&|m| m.sumo_mps += if m.sumo_mps > 0.0 { 1e-3 } else { 0.0 }), [1]);
+        assert_eq!(change(&|m| m.speed_mps = if m.time_s < 20.0 { m.speed_mps.min(17.0) } else { m.speed_mps }), [2]);
+        assert_eq!(change(&|m| m.speed_mps = m.speed_mps.max(1e-9)), [3]);
+        assert_eq!(change(&|m| m.distance_m += 2.0), [3]);
+        assert_eq!(change(&|m| m.speed_mps = if m.time_s < 30.0 { m.speed_mps } else { 0.0 }), [4]);
+        assert_eq!(failed(&drive(), Some(-0.2)), [5]);
+        assert_eq!(failed(&[], None), [0, 1, 2, 3, 4, 5]);
+    }
+}
