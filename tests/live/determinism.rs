@@ -1,1 +1,41 @@
-//! determinism
+//! The same bytes from the same seed, on any number of threads, and from the resolved scenario.
+
+use crate::support::{NEW, Running, Outcome, own, program, repository, run};
+use std::fs;
+
+const ARGS: [&str; 8] = ["--end", "150", "--step-length", "0.5", "--set", "noise.power_db=-20", "--trace", "all"];
+
+fn with(more: &[&str]) -> Outcome {
+    run(NEW, &own("city"), &[&ARGS[..], more].concat())
+}
+
+#[test]
+fn law_one_seed_gives_one_result_on_any_number_of_threads() {
+    let first = with(&["-j", "1"]);
+    let vehicles = first.bytes("vehicles.csv");
+    for threads in [["-j", "1"], ["-j", "2"]] {
+        let again = with(&threads);
+        for file in ["vehicles.csv", "edges.csv", "sample.csv", "trace.csv"] {
+            assert!(again.bytes(file) == first.bytes(file), "{file} differs with {threads:?}");
+        }
+    }
+    assert!(with(&["--seed", "7"]).bytes("vehicles.csv") != vehicles, "another seed, the same bytes");
+}
+
+#[test]
+fn law_the_resolved_scenario_gives_the_same_result() {
+    let folder = tempfile::tempdir().unwrap();
+    for scenario in [own("light"), repository("scenarios/straight.toml")] {
+        let args = ["--set", "noise.power_db=-20", "--set", "controller.k_p=1.5", "--egos", "share:1"];
+        let mut check = program(NEW);
+        check.arg("check").arg(&scenario).args(args);
+        let checked = Running::start(check).wait();
+        assert_eq!(checked.code, Some(0), "{}", checked.stderr);
+        let resolved = folder.path().join("resolved.toml");
+        fs::write(&resolved, checked.stdout).unwrap();
+        let [direct, resolved] = [run(NEW, &scenario, &args), run(NEW, &resolved, &[])];
+        for file in ["vehicles.csv", "edges.csv", "sample.csv"] {
+            assert!(direct.bytes(file) == resolved.bytes(file), "{file} of {}", scenario.display());
+        }
+    }
+}
