@@ -8,10 +8,11 @@ use std::{
 };
 
 use clap::Parser;
-use cli::{CheckArgs, Cli, Command, RunArgs};
+use cli::{CheckArgs, Cli, Command, PaperArgs, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
     output::terminal_text,
+    paper,
     run::{self, RunOptions},
     scenario::{Catalog, Scenario, template},
 };
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
     let done = match cli.command {
         Command::Run(args) => run(&args),
         Command::Check(args) => check(&args),
+        Command::Paper(args) => paper_tests(args),
         Command::List => list(),
     };
     done.unwrap_or_else(|report| {
@@ -64,6 +66,13 @@ fn check(args: &CheckArgs) -> miette::Result<ExitCode> {
     let scenario = Scenario::load(&args.scenario.request(), &catalog)?;
     notes(&scenario.notes);
     print(&scenario.to_toml())
+}
+
+fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
+    let PaperArgs { test, out, preset, driver, set } = args;
+    let page = out.join("index.html");
+    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets: set })?;
+    print(&format!("{}{}\n", results.table(), page.display()))
 }
 
 fn list() -> miette::Result<ExitCode> {

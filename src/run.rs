@@ -4,7 +4,7 @@
 
 mod outcome;
 mod progress;
-mod setup;
+pub mod setup;
 mod writers;
 
 use crate::cosim::state::State;

@@ -19,7 +19,7 @@ const TRAFFIC: &[&str] = &["vehicle", "trip", "flow", "person", "personFlow", "c
 /// Checks the inputs of SUMO, adds them to the scenario's inputs and notes what is overridden.
 pub(super) fn check(scenario: &mut Scenario, root: &Table) -> Result<(), ScenarioError> {
     match scenario.sumo.source.clone() {
-        Source::Running => Ok(()),
+        Source::Running | Source::Offline => Ok(()),
         Source::Config(path) => configuration(scenario, &path),
         Source::Network { net, routes, additional } => {
             add_included(scenario, &additional)?;
