@@ -175,9 +175,9 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
     for figure in &whole.figures {
         write(&dir.join("figures").join(format!("{}.svg", figure.name)), &figure.file())?;
     }
-    let results = Results { rows: whole.rows };
+    let results = Results { rows: whole.rows.clone() };
     write(&dir.join("results.csv"), &results.to_csv())?;
-    write(&dir.join("index.html"), &page::page(lab, presets, &results, &whole.figures))?;
+    write(&dir.join("index.html"), &page::page(lab, presets, &results, &whole))?;
     Ok(results)
 }
 
