@@ -127,7 +127,7 @@ pub struct CheckArgs {
 /// `paper`.
 #[derive(Debug, Args)]
 pub struct PaperArgs {
-    /// step, sine, driver, delay or all
+    /// step, sine, driver, delay, disturb or all
     #[arg(default_value = "all", value_name = "TEST")]
     pub test: String,
     /// Folder of the results

@@ -4,8 +4,10 @@
 //! choice of all that; every test runs under every preset, so that nothing is picked test by test. The vehicles drive in
 //! the fleet that `run` uses ([`world`]). One file per test; [`TESTS`] lists them.
 
+pub mod disturb;
 pub mod driver;
 pub mod figure;
+pub mod law;
 pub mod library;
 pub mod page;
 pub mod results;
@@ -44,6 +46,12 @@ pub static TESTS: &[Entry<Run>] = &[
         summary: "the recording with 250 ms of input delay, Section 5.4",
         keys: &[],
         build: driver::run_delayed,
+    },
+    Entry {
+        name: "disturb",
+        summary: "mass, tyres, friction, slope, wind and bank change on the way",
+        keys: &[],
+        build: disturb::run,
     },
 ];
 
@@ -163,6 +171,10 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
     let mut whole = Finding::default();
     for finding in findings {
         whole.extend(finding);
+    }
+    if tests.iter().any(|t| t.name == "step") {
+        let results = Results { rows: whole.rows.clone() };
+        whole.extend(law::run(&lab, presets[0], &results)?);
     }
     write_all(request, &lab, &presets, whole)
 }

@@ -22,11 +22,13 @@ pub const STYLE: &str = "\
 .fig .classic{stroke:#d1610a}.fig .adaptive{stroke:#1765ad}.fig .pid{stroke:#2e8540}.fig .ideal{stroke:#7a4fb5}\
 .fig .law{stroke:#1c2430;stroke-width:1.6}.fig circle.classic{fill:#d1610a}.fig circle.adaptive{fill:#1765ad}\
 .fig circle.pid{fill:#2e8540}.fig circle.mark{fill:none;stroke:#c2185b;stroke-width:3}\
+.fig rect.classic{fill:#d1610a}.fig rect.adaptive{fill:#1765ad}.fig rect.pid{fill:#2e8540}.fig .bar{stroke:none}\
 .fig .cell{font-size:10px;fill:#14181f}.fig rect.mark{fill:none;stroke:#c2185b;stroke-width:3}\
 @media(prefers-color-scheme:dark){.fig{color:#e4e9f0;background:#151a21}.fig .soft{fill:#9aa7b8}.fig .grid{stroke:#2a323d}\
 .fig .axis{stroke:#66717f}.fig .plot{fill:#1a2029}.fig .reference{stroke:#9aa7b8}.fig .classic{stroke:#ff9d4d}\
 .fig .adaptive{stroke:#5fb0f5}.fig .pid{stroke:#63c97c}.fig .ideal{stroke:#b99af0}.fig .law{stroke:#e4e9f0}\
 .fig circle.classic{fill:#ff9d4d}.fig circle.adaptive{fill:#5fb0f5}.fig circle.pid{fill:#63c97c}\
+.fig rect.classic{fill:#ff9d4d}.fig rect.adaptive{fill:#5fb0f5}.fig rect.pid{fill:#63c97c}\
 .fig circle.mark,.fig rect.mark{stroke:#ff6fa3}.fig .cell{fill:#14181f}}";
 
 /// A finished figure.
@@ -79,6 +81,17 @@ pub struct Chart<'a> {
     pub isotropic: bool,
 }
 
+/// Horizontal bars in groups.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Bars<'a> {
+    /// Title.
+    pub title: String,
+    /// Label of the axis of values.
+    pub unit: &'a str,
+    /// A label and its bars: class and value.
+    pub groups: Vec<(String, Vec<(&'static str, Option<f64>)>)>,
+}
+
 /// One axis: from values to places in the drawing.
 struct Scale {
     low: f64,
@@ -129,6 +142,56 @@ impl Figure {
         }
         legend(&mut body, &chart.curves);
         Self { name: name.to_owned(), title: chart.title.clone(), body, height: HEIGHT }
+    }
+
+    /// Draws bars, from 0; a missing value is written as such.
+    pub fn bars(name: &str, bars: &Bars) -> Self {
+        const BAR: f64 = 8.0;
+        const LABELS: f64 = 170.0;
+        let group_height = |bars: &[(&str, Option<f64>)]| bars.len() as f64 * BAR + 10.0;
+        let height = TOP + BOTTOM + bars.groups.iter().map(|(_, b)| group_height(b)).sum::<f64>();
+        let values = bars.groups.iter().flat_map(|(_, b)| b.iter().filter_map(|(_, value)| *value));
+        let x = Scale::new(values.chain([0.0]), LABELS, WIDTH - RIGHT - 40.0, 0.0);
+        let bottom = height - BOTTOM;
+        let mut body = format!("<text class=\"title\" x=\"16\" y=\"20\">{}</text>", escape(&bars.title));
+        let (ticks, digits) = x.ticks(8.0);
+        for tick in ticks {
+            let at = x.at(tick);
+            let _ = write!(body, "<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/>");
+            let below = bottom + 16.0;
+            let _ = write!(body, "<text class=\"soft\" x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{tick:.digits$}</text>");
+        }
+        let mut y = TOP;
+        for (label, group) in &bars.groups {
+            let middle = y + 0.5 * group_height(group) + 4.0;
+            let end = LABELS - 8.0;
+            let _ = write!(body, "<text x=\"{end}\" y=\"{middle:.1}\" text-anchor=\"end\">{}</text>", escape(label));
+            for (i, (class, value)) in group.iter().enumerate() {
+                let top = y + 5.0 + BAR * i as f64;
+                match value {
+                    Some(value) => {
+                        let width = x.at(*value) - LABELS;
+                        let height = BAR - 1.0;
+                        let _ = write!(body, "<rect class=\"bar {class}\" x=\"{LABELS}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height}\"/>");
+                    }
+                    None => {
+                        let base = top + BAR;
+                        let _ = write!(body, "<text class=\"cell {class}\" x=\"{LABELS}\" y=\"{base:.1}\">{class}: did not arrive</text>");
+                    }
+                }
+            }
+            y += group_height(group);
+        }
+        let (middle, low) = (0.5 * (LABELS + WIDTH), height - 10.0);
+        let _ = write!(body, "<text x=\"{middle}\" y=\"{low}\" text-anchor=\"middle\">{}</text>", escape(bars.unit));
+        let mut names: Vec<Curve> = Vec::new();
+        for (class, _) in bars.groups.iter().flat_map(|(_, b)| b) {
+            if !names.iter().any(|c| c.name == *class) {
+                names.push(Curve::of(class, Vec::new()));
+            }
+        }
+        legend(&mut body, &names);
+        Self { name: name.to_owned(), title: bars.title.clone(), body, height }
     }
 
     /// A drawing made elsewhere, `height` units high and as wide as a chart.

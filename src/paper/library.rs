@@ -52,6 +52,8 @@ pub struct Preset {
     pub title: String,
     /// What it is for and where it ends.
     pub why: String,
+    /// Whether the driving cycles are driven too, which takes long at a short control period.
+    pub cycles: bool,
     settings: Vec<Override>,
 }
 
@@ -104,7 +106,9 @@ impl Library {
         let path = self.folder.join("presets").join(format!("{name}.toml"));
         let document = read(&path)?;
         let text = |key: &str| document.get(key).and_then(Item::as_str).unwrap_or_default().to_owned();
-        Ok(Preset { name, title: text("title"), why: text("why"), settings: settings(&path, &document)? })
+        let cycles = document.get("cycles").and_then(Item::as_bool).unwrap_or(false);
+        let settings = settings(&path, &document)?;
+        Ok(Preset { name, title: text("title"), why: text("why"), cycles, settings })
     }
 
     /// The scenario of a test under a preset with a controller; `more` comes before the command line's own settings.

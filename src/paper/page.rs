@@ -17,6 +17,7 @@ p{max-width:76ch}.soft{color:var(--soft)}nav a{margin-right:14px}a{color:inherit
 .scroll{overflow-x:auto}table{border-collapse:collapse;margin:10px 0;font-variant-numeric:tabular-nums;font-size:13.5px}\
 th,td{padding:4px 9px;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}th{font-weight:600}\
 th:first-child,td:first-child,td.text,th.text{text-align:left}thead th{border-bottom:2px solid var(--line);vertical-align:bottom}\
+td.why{white-space:normal;min-width:22em}\
 .yes{background:var(--yes)}.part{background:var(--part)}.no{background:var(--no)}.key span{padding:2px 8px;margin-right:8px;border-radius:3px}\
 .figs{display:grid;grid-template-columns:repeat(auto-fit,minmax(440px,1fr));gap:14px}svg.fig{width:100%;height:auto;display:block}\
 details{margin:8px 0;border:1px solid var(--line);border-radius:6px;padding:6px 12px}summary{cursor:pointer}\
@@ -88,6 +89,8 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
                 escape(paper),
                 escape(here)
             );
+            let once = found.figures.iter().filter(|f| f.name.starts_with(&format!("{test}_")));
+            html += &once.map(Figure::inline).collect::<String>();
             for (i, preset) in presets.iter().enumerate() {
                 html += &section(test, preset, i == 0, results, &found.figures);
             }
@@ -231,7 +234,7 @@ fn table(rows: &[&Row], results: &Results) -> String {
         let why = judged.and_then(|r| Some(format!("{}: {}", results.verdict(r)?, why(r, results))));
         let _ = write!(
             html,
-            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{} [{}]</td>{}{}<td>{}</td><td class=\"text\">{}</td></tr>",
+            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{} [{}]</td>{}{}<td>{}</td><td class=\"text why\">{}</td></tr>",
             row.test,
             row.controller,
             row.quantity,
