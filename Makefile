@@ -11,7 +11,7 @@ help: ## Show this list
 
 demo: ## Every car of a city with a real body: compare four controllers, print one table
 	cargo build --release --locked
-	tools/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds)
+	.ci/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds)
 
 test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
 	cargo test --release --locked
@@ -20,10 +20,10 @@ bench: setup ## The benchmarks, one line per figure
 	cargo bench --locked
 
 setup: ## Install the pinned SUMO below .sumo/
-	@tools/install 1.28.0
+	@.ci/install 1.28.0
 
 setup-test: ## Install what the tests need: three versions of SUMO, and foreign networks (sumo-rl)
-	@tools/install 1.28.0 1.15.0 1.14.1 sumo-rl==1.4.5
+	@.ci/install 1.28.0 1.15.0 1.14.1 sumo-rl==1.4.5
 
 clean: ## Remove what was built and written; .sumo/ stays
 	cargo clean

@@ -128,7 +128,7 @@ pub fn compare(runs: &[(String, Vec<Summary>)]) -> Vec<ControllerRow> {
 
 /// A run of a comparison failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the run of {controller} with seed {seed} failed: {source}")]
+#[error("the run of {controller} with seed {seed} failed")]
 pub struct RunFailed<E: std::error::Error + 'static> {
     /// The controller.
     pub controller: String,

@@ -24,6 +24,7 @@ pub mod state;
 use crate::fleet::block::Follow;
 use crate::fleet::{Clockwork, GroupSetup};
 use crate::output::Reason;
+use crate::plant::tyre::TyreError;
 use crate::reference::Target;
 use crate::registry::UnknownName;
 use crate::scenario::{Group, Selector};
@@ -62,6 +63,9 @@ pub enum CosimError {
     /// A name that no registry has.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
+    /// A measured tyre curve.
+    #[error("vehicle.tyre_curve: {0}")]
+    Tyre(#[from] TyreError),
     /// A `mfc.*` parameter of a vehicle or vType.
     #[error("vehicle \"{vehicle}\", parameter {key}: found \"{found}\", wanted {wanted}")]
     Parameter {
@@ -104,6 +108,8 @@ pub struct WorldSetup {
     pub groups: Vec<Group>,
     /// The target of each group.
     pub targets: Vec<Target>,
+    /// The measured tyre curve of each group, if it has one.
+    pub tyre_curves: Vec<Option<String>>,
     /// How each group's blocks are made.
     pub blocks: Vec<GroupSetup>,
     /// Which vehicles may become egos at all.
@@ -124,6 +130,7 @@ pub struct World {
     batch: Batch,
     types: TypeBook,
     groups: Vec<Group>,
+    tyre_curves: Vec<Option<String>>,
     egos: Selector,
     seed: u64,
     sigma: Option<f64>,
@@ -156,6 +163,7 @@ impl World {
             batch,
             types: TypeBook::default(),
             groups: setup.groups,
+            tyre_curves: setup.tyre_curves,
             egos: setup.egos,
             seed: setup.seed,
             sigma: setup.sigma,
@@ -208,7 +216,8 @@ impl World {
         }
         for key in &newcomers {
             let ego = &state.book[*key];
-            let speed = if self.fault == Fault::SpeedWithoutTraci { variable::SPEED_WITHOUT_TRACI } else { variable::SPEED };
+            let speed =
+                if self.fault == Fault::SpeedWithoutTraci { variable::SPEED_WITHOUT_TRACI } else { variable::SPEED };
             let wanted = [speed, variable::ANGLE, variable::LANE_ID];
             let wanted = if ego.lead.is_some() { &wanted[..] } else { &wanted[..2] };
             self.batch.subscribe(Domain::Vehicle, &ego.id, wanted, state.time_s)?;

@@ -13,11 +13,11 @@ use clap::Parser;
 use cli::{CheckArgs, Cli, Command, CompareArgs, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
-    compare::{COMPARISON, parse_seeds, run_all, terminal_table},
+    compare::{COMPARISON, RunFailed, parse_seeds, run_all, terminal_table},
     cosim::Fault,
     doctor,
     output::{terminal_text, write_table},
-    run::{self, RunOptions},
+    run::{self, RunError, RunOptions},
     scenario::{Catalog, Scenario, ScenarioError, template},
 };
 
@@ -83,7 +83,7 @@ fn compare(args: &CompareArgs) -> miette::Result<ExitCode> {
         notes(&first.notes);
     }
     let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-compare", first.name)));
-    let rows = run_all(&args.controllers, &seeds, usize::from(args.jobs), |controller, seed| {
+    let compared = run_all(&args.controllers, &seeds, usize::from(args.jobs), |controller, seed| {
         let options = RunOptions {
             out_dir: folder.join(format!("{controller}-{seed}")),
             force: args.force,
@@ -92,8 +92,11 @@ fn compare(args: &CompareArgs) -> miette::Result<ExitCode> {
             profile: false,
         };
         run::run(&scenarios[&(controller.to_owned(), seed)], &options)?.whole()
-    })
-    .into_diagnostic()?;
+    });
+    let rows = match compared {
+        Err(RunFailed { source: RunError::Interrupted(signal), .. }) => return Ok(ExitCode::from(signal.exit_code())),
+        compared => compared.into_diagnostic()?,
+    };
     write_table(&folder.join("comparison.csv"), &COMPARISON, &rows).into_diagnostic()?;
     print(&terminal_table(&rows))
 }

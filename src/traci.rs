@@ -31,35 +31,35 @@
 //! go into a second batch that is sent in the same write ([`Client::exchange_pipelined`]): SUMO would answer commands behind
 //! a step in the *same* message with the state before it.
 //! ```no_run
+//! # use std::collections::HashMap;
 //! # use sumo_mfc::traci::{Batch, Client, Domain, Error, Prefix, simulation, vehicle};
 //! # async fn example(client: &mut Client) -> Result<(), Error> {
 //! let now_s = client.get(simulation::TIME, "").await?;
 //! let mut batch = Batch::new();
-//! batch.subscribe(Domain::Simulation, "", &[simulation::TIME.id, simulation::DEPARTED.id], now_s)?;
+//! batch.subscribe(Domain::Simulation, "", &[simulation::TIME.id, simulation::DEPARTED.id, simulation::ARRIVED.id], now_s)?;
 //! batch.step()?;
-//! let mut fleet: Vec<(Prefix, f64)> = Vec::new();
+//! let mut fleet: HashMap<String, (Prefix, f64)> = HashMap::new();
 //! loop {
 //!     let reply = client.exchange(&batch).await?;
 //!     batch.clear();
-//!     let (mut now_s, mut slot) = (0.0, 0);
 //!     for block in reply.blocks() {
 //!         let block = block?;
-//!         if block.domain == Some(Domain::Vehicle) {
-//!             // Blocks come in the order of subscribing; `None` inside: teleporting; outside: gone.
-//!             if let Some([Some(speed_mps), _heading]) = block.doubles([vehicle::SPEED.id, vehicle::ANGLE.id])? {
-//!                 fleet[slot].1 = 0.9 * speed_mps;
+//!         if block.domain == Some(Domain::Simulation) {
+//!             let now_s = block.get(simulation::TIME)?.unwrap_or(now_s);
+//!             for id in block.get(simulation::DEPARTED)?.unwrap_or_default() {
+//!                 batch.subscribe(Domain::Vehicle, &id, &[vehicle::SPEED.id, vehicle::ANGLE.id], now_s)?;
+//!                 fleet.insert(id.clone(), (Prefix::new(&id)?, 0.0));
 //!             }
-//!             slot += 1;
-//!             continue;
+//!             for id in block.get(simulation::ARRIVED)?.unwrap_or_default() {
+//!                 fleet.remove(&id);
+//!             }
+//!         } else if let Some((prefix, speed_mps)) = fleet.get_mut(block.id) {
+//!             // `None` inside: no value, teleporting; `None` outside: gone.
+//!             if let Some([Some(wanted_mps), _angle]) = block.doubles([vehicle::SPEED.id, vehicle::ANGLE.id])? {
+//!                 *speed_mps = 0.9 * wanted_mps;
+//!                 batch.set_previous_speed(prefix, *speed_mps, 0.0)?;
+//!             }
 //!         }
-//!         now_s = block.get(simulation::TIME)?.unwrap_or(now_s);
-//!         for id in block.get(simulation::DEPARTED)?.unwrap_or_default() {
-//!             batch.subscribe(Domain::Vehicle, &id, &[vehicle::SPEED.id, vehicle::ANGLE.id], now_s)?;
-//!             fleet.push((Prefix::new(&id)?, 0.0));
-//!         }
-//!     }
-//!     for (vehicle, speed_mps) in &fleet {
-//!         batch.set_previous_speed(vehicle, *speed_mps, 0.0)?;
 //!     }
 //!     batch.step()?;
 //! }

@@ -83,7 +83,8 @@ fn after_a_failure_nothing_more_is_started() {
         if s == 2 { Err(std::io::Error::other("SUMO died")) } else { paired(c, s) }
     };
     let error = run_all(&names(&["ideal", "classic"]), &[1, 2, 3], 1, run).unwrap_err();
-    assert_eq!(error.to_string(), "the run of ideal with seed 2 failed: SUMO died");
+    assert_eq!(error.to_string(), "the run of ideal with seed 2 failed");
+    assert_eq!(error.source.to_string(), "SUMO died");
     assert_eq!(started.into_inner(), 3);
 }
 

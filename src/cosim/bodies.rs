@@ -79,7 +79,7 @@ pub fn preset_of_class(class: &str) -> Option<&'static str> {
     }
 }
 
-/// Builds the vehicle `id` of `group`.
+/// Builds the vehicle `id` of `group`; `tyre_curve` is the content of the file that the group's key names.
 ///
 /// # Errors
 /// If a `mfc.*` parameter is not what its key takes.
@@ -88,6 +88,7 @@ pub fn vehicle(
     facts: &TypeFacts,
     parameters: &[(usize, String)],
     group: &Group,
+    tyre_curve: Option<&str>,
     seed: u64,
     speed_mps: f64,
 ) -> Result<VehicleSetup, CosimError> {
@@ -97,6 +98,9 @@ pub fn vehicle(
         scale(&mut body, facts);
     }
     body.apply(&group.vehicle.values);
+    if let Some(curve) = tyre_curve {
+        body.apply_tyre_curve(curve)?;
+    }
     let nominal_nm_per_mps2 = body.nominal_nm_per_mps2();
     cover_type(&mut body, facts, &group.vehicle.values);
 
@@ -121,31 +125,29 @@ pub fn vehicle(
 /// A bus or truck of another mass and length than the preset's: axles move with the length, inertia with both, and the
 /// actuators stay as strong per mass.
 fn scale(body: &mut Body, facts: &TypeFacts) {
-    const PRESET_LENGTH_PER_WHEELBASE: f64 = 2.0;
-    let length_ratio = facts.length_m / (PRESET_LENGTH_PER_WHEELBASE * body.wheelbase_m());
-    let mass_ratio = facts.mass_kg.map_or(1.0, |m| m / body.mass_kg);
-    if length_ratio > 0.0 && mass_ratio > 0.0 {
-        body.front_axle_m *= length_ratio;
-        body.rear_axle_m *= length_ratio;
-        body.mass_kg *= mass_ratio;
-        body.yaw_inertia_kgm2 *= mass_ratio * length_ratio * length_ratio;
-        body.drive_torque_max_nm *= mass_ratio;
-        body.brake_torque_max_nm *= mass_ratio;
+    const LENGTH_PER_WHEELBASE: f64 = 2.0;
+    let ratio = facts.length_m / (LENGTH_PER_WHEELBASE * body.wheelbase_m());
+    if ratio > 0.0 {
+        body.front_axle_m *= ratio;
+        body.rear_axle_m *= ratio;
+        body.yaw_inertia_kgm2 *= ratio * ratio;
+    }
+    if let Some(mass_kg) = facts.mass_kg.filter(|m| *m > 0.0) {
+        body.load_to(mass_kg);
     }
 }
 
-/// Torque limits that the scenario does not set are at least what the vType's accel and emergencyDecel ask for; what
-/// the tyres make of it is the tyres' affair.
+/// Torque limits that the scenario does not set are at least what the vType's accel and emergencyDecel ask for, with a
+/// reserve for catching up with the reference; what the tyres make of it is the tyres' affair.
 fn cover_type(body: &mut Body, facts: &TypeFacts, set: &Values) {
-    /// Reserve for catching up with the reference.
-    const MARGIN: f64 = 1.15;
-    let wheels = 4.0 * body.wheel_inertia_kgm2 / body.wheel_radius_m;
-    let torque_per_mps2 = MARGIN * (body.nominal_nm_per_mps2() + wheels);
-    if set.try_number("drive_torque_max_nm").is_none() {
-        body.drive_torque_max_nm = body.drive_torque_max_nm.max(facts.accel_mps2 * torque_per_mps2);
+    const RESERVE: f64 = 1.15;
+    let given = (body.drive_torque_max_nm, body.brake_torque_max_nm);
+    body.cover(RESERVE * facts.accel_mps2, RESERVE * facts.emergency_decel_mps2);
+    if set.try_number("drive_torque_max_nm").is_some() {
+        body.drive_torque_max_nm = given.0;
     }
-    if set.try_number("brake_torque_max_nm").is_none() {
-        body.brake_torque_max_nm = body.brake_torque_max_nm.max(facts.emergency_decel_mps2 * torque_per_mps2);
+    if set.try_number("brake_torque_max_nm").is_some() {
+        body.brake_torque_max_nm = given.1;
     }
 }
 

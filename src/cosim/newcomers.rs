@@ -145,8 +145,9 @@ impl World {
             self.state.unequipped += 1;
             return Ok(());
         };
-        let setup =
-            bodies::vehicle(&vehicle.id, facts, &vehicle.parameters, &self.groups[group], self.seed, speed_mps)?;
+        let curve = self.tyre_curves[group].as_deref();
+        let parameters = &vehicle.parameters;
+        let setup = bodies::vehicle(&vehicle.id, facts, parameters, &self.groups[group], curve, self.seed, speed_mps)?;
         let state = &mut self.state;
         let slot = state.fleet.admit(group, setup);
         let leads = !matches!(state.targets[group], Target::Traffic);

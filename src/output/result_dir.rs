@@ -124,9 +124,8 @@ impl ResultDir {
     /// What makes this folder hold a result. The rest of a run that was killed (`running`) is none.
     fn result_found(&self, manifest: Option<&Manifest>) -> Option<String> {
         match manifest {
-            Some(Manifest { status: Status::Running, .. }) => None,
             Some(Manifest { status: Status::Complete, .. }) => Some("run.json: complete".into()),
-            Some(Manifest { status: Status::Incomplete, .. }) => Some("run.json: incomplete".into()),
+            Some(Manifest { status: Status::Running | Status::Incomplete, .. }) => None,
             None => own_names().find(|name| self.file(name).exists()),
         }
     }
@@ -178,24 +177,24 @@ mod tests {
     fn a_finished_result_is_refused_without_force() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out/city-adaptive-42");
-        for incomplete in [None, Some("SUMO died".to_owned())] {
-            let dir = ResultDir::create(&path, true).unwrap();
+        for incomplete in [Some("SUMO died".to_owned()), None] {
+            // A run that was killed, or broke off, is no finished result.
+            let dir = ResultDir::create(&path, false).unwrap();
             dir.write_manifest(&manifest()).unwrap();
             drop(dir);
-            // A run that was killed is no result.
             let dir = ResultDir::create(&path, false).unwrap();
             std::fs::write(dir.file("vehicles.csv"), "id\n").unwrap();
             std::fs::write(dir.sumo().unwrap().join("tripinfo.xml"), "").unwrap();
             dir.finish(&mut manifest(), incomplete.clone()).unwrap();
-            drop(dir);
-            let error = ResultDir::create(&path, false).unwrap_err();
-            assert!(matches!(error, OutputError::Finished { .. }), "{error}");
-            assert!(error.to_string().contains("--force"), "{error}");
             let read: Manifest =
                 serde_json::from_str(&std::fs::read_to_string(path.join("run.json")).unwrap()).unwrap();
             assert_eq!(read.files, ["run.json", "sumo/tripinfo.xml", "vehicles.csv"]);
             assert_eq!(read.reason, incomplete);
         }
+        let error = ResultDir::create(&path, false).unwrap_err();
+        assert!(matches!(error, OutputError::Finished { .. }), "{error}");
+        assert!(error.to_string().contains("--force"), "{error}");
+        ResultDir::create(&path, true).unwrap();
     }
 
     #[test]

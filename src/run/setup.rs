@@ -6,10 +6,11 @@ use crate::cosim::bodies::DEAD_TIME_MAX_S;
 use crate::cosim::{Fault, WorldSetup};
 use crate::fleet::{Clockwork, GroupSetup};
 use crate::plant::PLANTS;
+use crate::plant::tyre::{identify, read_curve};
 use crate::reference::TARGETS;
 use crate::registry::find;
 use crate::scenario::{Group, Scenario};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The world of a scenario.
 ///
@@ -26,9 +27,11 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         let entry = find("target", TARGETS, group.target.name)?;
         Ok((entry.build)(&group.target.values, Path::new(""))?)
     });
+    let tyre_curves = scenario.groups.iter().map(tyre_curve);
     let blocks = scenario.groups.iter().map(|group| block(group, scenario.control_period_s));
     Ok(WorldSetup {
         targets: targets.collect::<Result<_, RunError>>()?,
+        tyre_curves: tyre_curves.collect::<Result<_, RunError>>()?,
         blocks: blocks.collect::<Result<_, RunError>>()?,
         groups: scenario.groups.clone(),
         egos: scenario.egos.clone(),
@@ -46,4 +49,13 @@ fn block(group: &Group, period_s: f64) -> Result<GroupSetup, RunError> {
         controller: Box::new(move || (entry.build)(&values, period_s)),
         dead_time_max_s: DEAD_TIME_MAX_S.min(group.actuator.delay_s.largest()),
     })
+}
+
+/// The content of the group's tyre curve, known to be one.
+fn tyre_curve(group: &Group) -> Result<Option<String>, RunError> {
+    let Some(path) = group.vehicle.values.try_text("tyre_curve") else { return Ok(None) };
+    let wrong = |what: String| RunError::Tyre { path: PathBuf::from(path), what };
+    let text = std::fs::read_to_string(path).map_err(|e| wrong(e.to_string()))?;
+    identify(&read_curve(&text).map_err(|e| wrong(e.to_string()))?).map_err(|e| wrong(e.to_string()))?;
+    Ok(Some(text))
 }

@@ -1,8 +1,6 @@
 //! One ego: SUMO's speed is the body's, no creep, no freeze, red lights obeyed.
 
-use crate::support::{
-    CAR, NEW, OLD, Row, attribute, elements, number, own, plain_sumo, run, straight_road,
-};
+use crate::support::{CAR, NEW, OLD, Row, attribute, elements, number, own, plain_sumo, run, straight_road};
 use std::path::Path;
 
 const DEMAND: &str = r#"<vehicle id="ego" type="car" depart="0"><route edges="ab bc"/></vehicle>"#;

@@ -168,7 +168,8 @@ pub fn straight_road(folder: &Path, demand: &str) -> PathBuf {
 }
 
 /// The vType of [`straight_road`]s: no imperfection, no spread of the desired speed.
-pub const CAR: &str = r#"<vType id="car" accel="2.6" decel="4.5" sigma="0" speedFactor="1" speedDev="0" maxSpeed="60" departSpeed="0"/>"#;
+pub const CAR: &str =
+    r#"<vType id="car" accel="2.6" decel="4.5" sigma="0" speedFactor="1" speedDev="0" maxSpeed="60" departSpeed="0"/>"#;
 
 /// A configuration beside its demand. `more` is further XML of the configuration.
 pub fn configuration(folder: &Path, net: &Path, demand: &str, more: &str) -> PathBuf {
@@ -252,6 +253,7 @@ pub fn elements(path: &Path, name: &str) -> Vec<String> {
 
 /// An attribute of an element.
 pub fn attribute<'a>(element: &'a str, name: &str) -> &'a str {
-    let start = element.find(&format!(" {name}=\"")).unwrap_or_else(|| panic!("no {name} in {element}")) + name.len() + 3;
+    let start =
+        element.find(&format!(" {name}=\"")).unwrap_or_else(|| panic!("no {name} in {element}")) + name.len() + 3;
     &element[start..start + element[start..].find('"').unwrap()]
 }
