@@ -25,7 +25,6 @@ struct Questions {
     type_id: Handle<String>,
     speed: Handle<f64>,
     odometer: Handle<f64>,
-    equipped: Handle<String>,
     parameters: Vec<(usize, Handle<String>)>,
     sigma: Option<Handle<f64>>,
     lead: Option<LeadQuestions>,
@@ -47,7 +46,6 @@ struct Facts {
     /// `None` while SUMO carries it.
     speed_mps: Option<f64>,
     odometer_m: f64,
-    equipped: Option<bool>,
     parameters: Vec<(usize, String)>,
     sigma: Option<f64>,
     lead: Option<(Before, String)>,
@@ -138,7 +136,7 @@ impl World {
             return Ok(());
         }
         let drawn = |share: f64| Stream::new(self.seed, "device.mfc", &vehicle.id).uniform() < share;
-        let param = vehicle.equipped.or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
+        let param = self.equipped.of(&vehicle.id).or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
         let info = EgoInfo { id: &vehicle.id, type_id: &vehicle.type_id, class: &facts.class, param };
         let matched = self.groups.iter().position(|g| g.select.matches(&info, self.seed));
         let Some(group) = matched.filter(|_| self.egos.matches(&info, self.seed)) else {
@@ -169,6 +167,7 @@ impl World {
             depart_s: state.time_s - if state.has_stepped() { state.step_s } else { 0.0 },
             prefix: vehicle.prefix,
             presence: Presence::Driving,
+            carried_in_step: 0,
             odometer_offset_m: vehicle.odometer_m,
             distance_m: 0.0,
             odometer_gap_m: None,
@@ -205,7 +204,6 @@ fn ask_vehicle(
         type_id: batch.get(vehicle::TYPE, &id)?,
         speed: batch.get(vehicle::SPEED, &id)?,
         odometer: batch.get(vehicle::DISTANCE, &id)?,
-        equipped: batch.get_with(vehicle::PARAMETER, &id, "has.mfc.device")?,
         parameters: ask_parameters(|name| batch.get_with(vehicle::PARAMETER, &id, name))?,
         sigma: if sigma { Some(batch.get(vehicle::IMPERFECTION, &id)?) } else { None },
         lead,
@@ -247,8 +245,6 @@ impl Questions {
             type_id: reply.get(self.type_id).ok()?,
             speed_mps: reply.get(self.speed).ok(),
             odometer_m: reply.get(self.odometer).unwrap_or(0.0),
-            // SUMO answers "false" for every device that it does not know itself.
-            equipped: reply.get(self.equipped).ok().filter(|text| text == "true").map(|_| true),
             parameters: answers_of(reply, &self.parameters),
             sigma: self.sigma.and_then(|sigma| reply.get(sigma).ok()),
             lead,

@@ -283,6 +283,7 @@ impl State {
         let ego = &mut self.book[key];
         if ego.presence == Presence::Driving {
             ego.presence = Presence::Teleporting;
+            ego.carried_in_step = self.step;
             self.fleet.block_mut(ego.slot).vanish(ego.slot.lane());
         }
     }
@@ -297,8 +298,16 @@ impl State {
             self.waiting.retain(|w| *w != id);
             self.came.retain(|c| *c != id);
             if let Some(key) = self.book.find(&id) {
-                let carried = self.book[key].presence == Presence::Teleporting;
-                self.end(key, if carried { Reason::TeleportedOut } else { Reason::Arrived });
+                let ego = &self.book[key];
+                let reason = match ego.presence {
+                    Presence::Driving => Reason::Arrived,
+                    // Off the road only now, and not by a teleport: somebody (a calibrator, say) took it out.
+                    Presence::Teleporting if ego.carried_in_step == self.step && !self.carried.contains(&id) => {
+                        Reason::Removed
+                    }
+                    Presence::Teleporting => Reason::TeleportedOut,
+                };
+                self.end(key, reason);
             }
         }
         for id in std::mem::take(&mut self.carried) {

@@ -9,7 +9,7 @@ use crate::plant::PLANTS;
 use crate::plant::tyre::{identify, read_curve};
 use crate::reference::TARGETS;
 use crate::registry::find;
-use crate::scenario::{Group, Scenario};
+use crate::scenario::{Equipped, Group, Scenario};
 use std::path::{Path, PathBuf};
 
 /// The world of a scenario.
@@ -35,6 +35,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         blocks: blocks.collect::<Result<_, RunError>>()?,
         groups: scenario.groups.clone(),
         egos: scenario.egos.clone(),
+        equipped: Equipped::of_scenario(scenario),
         clockwork,
         seed: scenario.sumo.seed,
         sigma: scenario.traffic.sigma,

@@ -27,8 +27,10 @@ fn a_network_that_sumo_rejects_is_reported_in_sumos_words() {
 fn a_bad_route_breaks_the_run_off_in_sumos_words() {
     let folder = tempfile::tempdir().unwrap();
     let good = r#"<vehicle id="good" type="car" depart="0"><route edges="ab bc"/></vehicle>"#;
+    // SUMO reads routes as they are needed: the bad one is met on the way.
+    let between = r#"<vehicle id="between" type="car" depart="400"><route edges="ab bc"/></vehicle>"#;
     let bad = r#"<vehicle id="bad" type="car" depart="600"><route edges="ab nowhere"/></vehicle>"#;
-    let config = straight_road(folder.path(), &format!("{CAR}{good}{bad}"));
+    let config = straight_road(folder.path(), &format!("{CAR}{good}{between}{bad}"));
     let dir = folder.path().join("result");
     let ended = Running::start(run_command(NEW, &config, &dir, &["--step-length", "1"])).wait();
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
@@ -176,16 +178,21 @@ fn a_signal_ends_the_wait_for_sumo() {
     assert_eq!(json(&dir.join("run.json"))["status"], "incomplete");
 }
 
+/// A limit on the size of files stands for a full disk.
 #[test]
 fn a_full_disk_is_reported_and_the_rest_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let dir = folder.path().join("result");
-    fs::create_dir(&dir).unwrap();
-    std::os::unix::fs::symlink("/dev/full", dir.join("trace.csv.part")).unwrap();
-    let args = ["--trace", "all", "--end", "100", "--force"];
-    let ended = Running::start(run_command(NEW, &own("city"), &dir, &args)).wait();
+    let inner = run_command(NEW, &own("city"), &dir, &["--trace", "all", "--end", "200"]);
+    let mut command = Command::new("bash");
+    command.arg("-c").arg("trap '' XFSZ; ulimit -f 2000; exec \"$@\"").arg("bash").arg(inner.get_program());
+    command.args(inner.get_args()).envs(inner.get_envs().filter_map(|(key, value)| Some((key, value?))));
+    let ended = Running::start(command).wait();
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
-    assert!(ended.stderr.contains("trace.csv") && ended.stderr.contains("No space left"), "{}", ended.stderr);
-    assert_eq!(json(&dir.join("run.json"))["status"], "incomplete");
-    assert!(!table(&dir.join("vehicles.csv")).is_empty());
+    assert!(ended.stderr.contains("trace.csv") && ended.stderr.contains("too large"), "{}", ended.stderr);
+    let manifest = json(&dir.join("run.json"));
+    assert_eq!(manifest["status"], "incomplete");
+    assert!(manifest["reason"].as_str().unwrap().contains("trace.csv"), "{manifest}");
+    assert!(table(&dir.join("vehicles.csv")).len() > 3);
+    assert!(!dir.join("trace.csv").exists(), "a file with its name is whole");
 }
