@@ -302,6 +302,18 @@ impl<'a> Run<'a> {
         };
         let progress = Progress::new(self.options.progress, self.begin_s, end_s);
         self.profiler.begin(world);
+        let stepped = self.step_to(world, writers, end_s, &progress).await;
+        progress.close();
+        stepped
+    }
+
+    async fn step_to(
+        &mut self,
+        world: &mut World,
+        writers: &mut Writers,
+        end_s: Option<f64>,
+        progress: &Progress,
+    ) -> Result<(), RunError> {
         let half_step_s = 0.5 * world.state.step_s;
         let signal = self.signal.clone();
         loop {

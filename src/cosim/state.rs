@@ -283,7 +283,6 @@ impl State {
         let ego = &mut self.book[key];
         if ego.presence == Presence::Driving {
             ego.presence = Presence::Teleporting;
-            ego.carried_in_step = self.step;
             self.fleet.block_mut(ego.slot).vanish(ego.slot.lane());
         }
     }
@@ -293,6 +292,9 @@ impl State {
         self.departed += self.came.len() as u64;
         self.arrived += self.left.len() as u64;
         self.teleports += self.carried.len() as u64;
+        for key in self.carried.iter().filter_map(|id| self.book.find(id)).collect::<Vec<_>>() {
+            self.book[key].teleported = true;
+        }
         for id in std::mem::take(&mut self.left) {
             // A vehicle can depart and arrive within one step; it never had a body.
             self.waiting.retain(|w| *w != id);
@@ -301,11 +303,9 @@ impl State {
                 let ego = &self.book[key];
                 let reason = match ego.presence {
                     Presence::Driving => Reason::Arrived,
-                    // Off the road only now, and not by a teleport: somebody (a calibrator, say) took it out.
-                    Presence::Teleporting if ego.carried_in_step == self.step && !self.carried.contains(&id) => {
-                        Reason::Removed
-                    }
-                    Presence::Teleporting => Reason::TeleportedOut,
+                    Presence::Teleporting if ego.teleported => Reason::TeleportedOut,
+                    // Off the road, and not by a teleport: somebody (a calibrator, say) took it out.
+                    Presence::Teleporting => Reason::Removed,
                 };
                 self.end(key, reason);
             }
