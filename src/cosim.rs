@@ -27,7 +27,7 @@ use crate::output::Reason;
 use crate::plant::tyre::TyreError;
 use crate::reference::Target;
 use crate::registry::UnknownName;
-use crate::scenario::{Group, Selector};
+use crate::scenario::{Equipped, Group, Selector};
 use crate::traci::{self, Batch, Client, Domain};
 use book::{EgoKey, Presence};
 use newcomers::TypeBook;
@@ -114,6 +114,8 @@ pub struct WorldSetup {
     pub blocks: Vec<GroupSetup>,
     /// Which vehicles may become egos at all.
     pub egos: Selector,
+    /// What the demand says of `has.mfc.device`.
+    pub equipped: Equipped,
     /// Plant, control period, memory of the reference.
     pub clockwork: Clockwork,
     /// Seed of everything that is drawn per vehicle.
@@ -132,6 +134,7 @@ pub struct World {
     groups: Vec<Group>,
     tyre_curves: Vec<Option<String>>,
     egos: Selector,
+    equipped: Equipped,
     seed: u64,
     sigma: Option<f64>,
     fault: Fault,
@@ -165,12 +168,21 @@ impl World {
             groups: setup.groups,
             tyre_curves: setup.tyre_curves,
             egos: setup.egos,
+            equipped: setup.equipped,
             seed: setup.seed,
             sigma: setup.sigma,
             fault: setup.fault,
             newcomers: Vec::new(),
             state,
         })
+    }
+
+    /// The end that SUMO's configuration asks for [s]; negative without one.
+    ///
+    /// # Errors
+    /// If SUMO does not answer.
+    pub async fn end_s(&mut self) -> Result<f64, CosimError> {
+        Ok(self.client.get(traci::simulation::END, "").await?)
     }
 
     /// One SUMO step.

@@ -58,7 +58,10 @@ fn run(args: &RunArgs) -> miette::Result<ExitCode> {
         progress: !args.quiet && std::io::stderr().is_terminal(),
         profile: args.profile,
     };
-    let result = run::run(&scenario, &options)?;
+    let result = match run::run(&scenario, &options) {
+        Err(RunError::Interrupted(signal)) => return Ok(ExitCode::from(signal.exit_code())),
+        done => done?,
+    };
     if !args.quiet {
         notes(&result.notes);
     }
