@@ -117,9 +117,10 @@ fn check(args: &CheckArgs) -> miette::Result<ExitCode> {
 }
 
 fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
-    let PaperArgs { test, out, preset, driver, set } = args;
+    let PaperArgs { test, out, coarse, preset, driver, set } = args;
+    let progress = std::io::stderr().is_terminal();
     let page = out.join("index.html");
-    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets: set })?;
+    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets: set, coarse, progress })?;
     print(&format!("{}{}\n", results.table(), page.display()))
 }
 
