@@ -89,7 +89,7 @@ fn grid(folder: &Path, sumo: &SumoBinary, cars: u32) -> Scene {
         succeed(&mut make);
         let part = folder.join("part.xml.gz");
         let mut run = loops::sumo_command(sumo, &config);
-        run.args(["--end", BEGIN_S, "--save-state.times", BEGIN_S, "--save-state.files"]).arg(&part);
+        run.args(["--end", "71", "--save-state.times", BEGIN_S, "--save-state.files"]).arg(&part);
         succeed(&mut run);
         std::fs::rename(part, &state).expect("the saved state");
     }
