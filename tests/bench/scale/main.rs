@@ -1,0 +1,206 @@
+//! End to end against real SUMO: how much longer a step takes with a body and a controller for every car.
+//!
+//! ```text
+//! tools/with-sumo cargo bench --bench scale [-- CARS...] [-- foreign]
+//! ```
+//! Per number of cars all loops run side by side, each with its own SUMO, loaded from the same saved state with all cars
+//! on the road. They take turns, a few steps each; a ratio is that of two loops within one round, and the figure is the
+//! median over the rounds, so that what else the machine does meets both sides. "SUMO alone" is the same binary stepped
+//! over TraCI by the same client with no other command. Loading is not in it.
+//!
+//! Networks and states are made when needed, below `target/bench`, where `scale.csv` and `scale.svg` are left too.
+
+mod loops;
+mod plot;
+
+use loops::{Kind, Loop};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use sumo_mfc::traci::{SumoBinary, find_sumo};
+
+/// Time at which all cars have departed, and at which the loops begin [s].
+const BEGIN_S: &str = "70";
+
+/// A figure: a loop at a number of cars.
+pub struct Figure {
+    /// Where.
+    pub scene: String,
+    /// Which loop.
+    pub name: &'static str,
+    /// Cars on the road, mean over the rounds.
+    pub cars: f64,
+    /// Median time of a step [ms].
+    pub step_ms: f64,
+    /// Median of the ratios to SUMO alone.
+    pub ratio: f64,
+    /// Smallest and largest ratio.
+    pub range: [f64; 2],
+}
+
+/// What is measured, and how long.
+struct Scene {
+    name: String,
+    config: PathBuf,
+    state: Option<PathBuf>,
+    step_s: f64,
+    rounds: usize,
+    /// Steps of a turn, and of a turn of the Python loop with one command per value.
+    steps: [u32; 2],
+    kinds: Vec<Kind>,
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let sumo = find_sumo(None).expect("a SUMO: tools/with-sumo cargo bench --bench scale");
+    let wanted = |name: &str| arguments.is_empty() || arguments.iter().any(|a| a == name);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/bench");
+    let mut scenes: Vec<Scene> = Vec::new();
+    for cars in [100, 1_000, 5_000, 20_000] {
+        if wanted(&cars.to_string()) {
+            scenes.push(grid(&folder, &sumo, cars));
+        }
+    }
+    if wanted("foreign") {
+        scenes.extend(foreign("1").into_iter().chain(foreign("0.1")));
+    }
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
+    let mut figures = Vec::new();
+    for scene in &scenes {
+        figures.extend(runtime.block_on(measure(scene, &sumo)));
+    }
+    write_csv(&folder.join("scale.csv"), &figures).expect("writing target/bench/scale.csv");
+    plot::draw(&folder.join("scale.svg"), &figures).expect("drawing target/bench/scale.svg");
+}
+
+/// The grid with this number of cars.
+fn grid(folder: &Path, sumo: &SumoBinary, cars: u32) -> Scene {
+    let folder = folder.join(cars.to_string());
+    let state = folder.join("state.xml.gz");
+    let config = folder.join("large.sumocfg");
+    if !state.exists() {
+        eprintln!("making a network with {cars} cars in {}", folder.display());
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("sumo_nets/large/make.sh");
+        let mut make = Command::new(script);
+        make.arg(&folder).arg(cars.to_string());
+        if let Some(home) = &sumo.home {
+            make.env("MAKE_SUMO_HOME", home);
+        }
+        succeed(&mut make);
+        let part = folder.join("part.xml.gz");
+        let mut run = loops::sumo_command(sumo, &config);
+        run.args(["--end", "71", "--save-state.times", BEGIN_S, "--save-state.files"]).arg(&part);
+        succeed(&mut run);
+        std::fs::rename(part, &state).expect("the saved state");
+    }
+    let kinds = vec![
+        Kind::Plain,
+        Kind::Ideal,
+        Kind::Adaptive,
+        Kind::AdaptiveAvx2,
+        Kind::PythonSubscriptions,
+        Kind::PythonValues,
+    ];
+    let steps = match cars {
+        0..=1_000 => [20, 10],
+        1_001..=5_000 => [10, 1],
+        _ => [10, 1],
+    };
+    Scene {
+        name: format!("grid {cars}"),
+        config,
+        state: Some(state),
+        step_s: 0.1,
+        rounds: if cars > 5_000 { 5 } else { 7 },
+        steps,
+        kinds,
+    }
+}
+
+/// A network that is not ours, from its beginning: five minutes of it.
+fn foreign(step: &str) -> Option<Scene> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(".sumo");
+    let libs = ["sumo-rl", "rl"].iter().flat_map(|name| std::fs::read_dir(root.join(name).join("lib"))).flatten();
+    let mut configs = libs
+        .flatten()
+        .map(|python| python.path().join("site-packages/sumo_rl/nets/RESCO/ingolstadt21/ingolstadt21.sumocfg"));
+    let config = configs.find(|c| c.is_file())?;
+    let step_s: f64 = step.parse().expect("a number");
+    let steps = (60.0 / step_s).round() as u32;
+    Some(Scene {
+        name: format!("ingolstadt21, step {step} s"),
+        config,
+        state: None,
+        step_s,
+        rounds: 5,
+        steps: [steps, steps],
+        kinds: vec![Kind::Plain, Kind::Ideal, Kind::Adaptive, Kind::AdaptiveAvx2],
+    })
+}
+
+fn succeed(command: &mut Command) {
+    let status = command.stdout(std::process::Stdio::null()).status();
+    assert!(status.as_ref().is_ok_and(|s| s.success()), "{command:?}: {status:?}");
+}
+
+/// Starts all loops of a scene and lets them take turns.
+async fn measure(scene: &Scene, sumo: &SumoBinary) -> Vec<Figure> {
+    let logs = tempfile::tempdir().expect("a temporary folder");
+    let mut loops = Vec::new();
+    for kind in &scene.kinds {
+        let log = logs.path().join(kind.name().replace(' ', "_"));
+        std::fs::create_dir(&log).expect("a folder for the log");
+        loops.push(Loop::start(*kind, sumo, &scene.config, scene.state.as_deref(), scene.step_s, &log).await);
+    }
+    let mut times_ms = vec![Vec::new(); loops.len()];
+    let mut cars = Vec::new();
+    // With a state to begin from, the first turn only lets buffers grow.
+    for round in 0..scene.rounds + usize::from(scene.state.is_some()) {
+        for (one, times_ms) in loops.iter_mut().zip(&mut times_ms) {
+            let steps = scene.steps[usize::from(one.kind == Kind::PythonValues)];
+            let time_ms = 1e3 * one.steps(steps).await / f64::from(steps);
+            if round > 0 || scene.state.is_none() {
+                times_ms.push(time_ms);
+            }
+        }
+        cars.extend(loops.iter().filter_map(Loop::cars).max());
+    }
+    for one in loops {
+        one.end().await;
+    }
+    let cars = cars.iter().map(|n| *n as f64).sum::<f64>() / cars.len() as f64;
+    figures(scene, cars, &times_ms)
+}
+
+/// Turns times into figures, and prints them.
+fn figures(scene: &Scene, cars: f64, times_ms: &[Vec<f64>]) -> Vec<Figure> {
+    let one = |(kind, times): (&Kind, &Vec<f64>)| {
+        let mut ratios: Vec<f64> = times.iter().zip(&times_ms[0]).map(|(ours, alone)| ours / alone).collect();
+        let mut times = times.clone();
+        let (step_ms, ratio) = (median(&mut times), median(&mut ratios));
+        let range = [ratios[0], ratios[ratios.len() - 1]];
+        let (scene, name) = (scene.name.clone(), kind.name());
+        println!(
+            "{scene:24} {name:22} {cars:7.0} cars {step_ms:10.3} ms/step {ratio:8.2} x SUMO alone ({:.2} to {:.2})",
+            range[0], range[1]
+        );
+        Figure { scene, name, cars, step_ms, ratio, range }
+    };
+    scene.kinds.iter().zip(times_ms).map(one).collect()
+}
+
+/// Sorts, too.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn write_csv(path: &Path, figures: &[Figure]) -> std::io::Result<()> {
+    let mut out = std::fs::File::create(path)?;
+    writeln!(out, "scene,loop,cars,step_ms,ratio,ratio_min,ratio_max")?;
+    for f in figures {
+        let [low, high] = f.range;
+        writeln!(out, "{:?},{},{:.0},{:.4},{:.3},{low:.3},{high:.3}", f.scene, f.name, f.cars, f.step_ms, f.ratio)?;
+    }
+    Ok(())
+}
