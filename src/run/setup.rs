@@ -40,6 +40,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         seed: scenario.sumo.seed,
         sigma: scenario.traffic.sigma,
         fault: Fault::None,
+        shared: scenario.sumo.connect.is_some() || scenario.sumo.num_clients > 1,
     })
 }
 
