@@ -124,12 +124,17 @@ pub struct WorldSetup {
     pub sigma: Option<f64>,
     /// For the self-check.
     pub fault: Fault,
+    /// True if other clients may be at this SUMO.
+    pub shared: bool,
 }
 
 /// Fleet and SUMO, stepping together.
 pub struct World {
     client: Client,
     batch: Batch,
+    /// The step in a message of its own, if SUMO is shared with other clients: SUMO sends the answers to whatever stands
+    /// before a step in the same message to the client that it serves next.
+    step_apart: Option<Batch>,
     types: TypeBook,
     groups: Vec<Group>,
     tyre_curves: Vec<Option<String>>,
@@ -161,9 +166,12 @@ impl World {
         let reply = client.exchange(&batch).await?;
         state.waiting = reply.get(present)?;
         state.expected = reply.get(expected)?;
+        let mut step = Batch::new();
+        step.step()?;
         Ok(Self {
             client,
             batch,
+            step_apart: setup.shared.then_some(step),
             types: TypeBook::default(),
             groups: setup.groups,
             tyre_curves: setup.tyre_curves,
@@ -197,8 +205,18 @@ impl World {
         }
         self.state.advance_leaders();
         let readings = self.compose()?;
-        let reply = self.client.exchange(&self.batch).await?;
-        self.state.absorb(&reply, readings)?;
+        let (answers, stepped) = match &self.step_apart {
+            Some(step) if self.batch.is_empty() => {
+                let reply = self.client.exchange(step).await?;
+                (reply, reply)
+            }
+            Some(step) => self.client.exchange_pipelined(&self.batch, step).await?,
+            None => {
+                let reply = self.client.exchange(&self.batch).await?;
+                (reply, reply)
+            }
+        };
+        self.state.absorb(&answers, &stepped, readings)?;
         if self.state.colliding {
             // Before the records of vehicles that a collision ended.
             self.count_collisions().await?;
@@ -234,7 +252,9 @@ impl World {
             let wanted = if ego.lead.is_some() { &wanted[..] } else { &wanted[..2] };
             self.batch.subscribe(Domain::Vehicle, &ego.id, wanted, state.time_s)?;
         }
-        self.batch.step()?;
+        if self.step_apart.is_none() {
+            self.batch.step()?;
+        }
         Ok(readings)
     }
 

@@ -183,16 +183,21 @@ impl State {
         self.step.is_multiple_of(self.read_every)
     }
 
-    /// Reads the reply to a step.
-    pub(super) fn absorb(&mut self, reply: &Reply<'_>, readings: Option<usize>) -> Result<(), CosimError> {
+    /// Reads the answers to the message of a step, and the reply to the step itself.
+    pub(super) fn absorb(
+        &mut self,
+        answers: &Reply<'_>,
+        stepped: &Reply<'_>,
+        readings: Option<usize>,
+    ) -> Result<(), CosimError> {
         if let Some(first) = readings {
-            self.take_readings(reply, first);
+            self.take_readings(answers, first);
         }
         self.step += 1;
         self.book.rewind();
         self.lost.clear();
         self.colliding = false;
-        for block in reply.blocks() {
+        for block in stepped.blocks() {
             let block = block?;
             match block.domain {
                 Some(Domain::Simulation) => self.see_simulation(&block)?,
