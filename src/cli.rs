@@ -23,6 +23,8 @@ pub enum Command {
     Compare(Box<CompareArgs>),
     /// Check a scenario and print it resolved, in SI units, as TOML
     Check(Box<CheckArgs>),
+    /// Reproduce the experiments of the paper, without SUMO: figures, tables and one page
+    Paper(PaperArgs),
     /// List controllers, targets, plants and bodies: kind, name, summary
     List,
     /// Find SUMO, make one real step, and check the coupling
@@ -149,6 +151,26 @@ pub struct CheckArgs {
     /// Print every key with its unit, range and default
     #[arg(long)]
     pub template: bool,
+}
+
+/// `paper`.
+#[derive(Debug, Args)]
+pub struct PaperArgs {
+    /// step, sine, driver, delay, disturb or all
+    #[arg(default_value = "all", value_name = "TEST")]
+    pub test: String,
+    /// Folder of the results
+    #[arg(short, long, value_name = "DIR", default_value = "out/paper")]
+    pub out: PathBuf,
+    /// Only this preset of scenarios/paper/presets
+    #[arg(long, value_name = "NAME")]
+    pub preset: Option<String>,
+    /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see README)
+    #[arg(long, value_name = "FILE")]
+    pub driver: Option<PathBuf>,
+    /// Any key of the scenarios, by its TOML path: controller.k_p=1.2
+    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
+    pub set: Vec<Override>,
 }
 
 fn set(argument: &str) -> Result<Override, String> {

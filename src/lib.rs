@@ -23,6 +23,7 @@ pub mod keys;
 pub mod lanes;
 pub mod measurement;
 pub mod output;
+pub mod paper;
 pub mod plant;
 pub mod random;
 pub mod reference;

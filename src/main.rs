@@ -10,13 +10,14 @@ use std::{
 };
 
 use clap::Parser;
-use cli::{CheckArgs, Cli, Command, CompareArgs, RunArgs};
+use cli::{CheckArgs, Cli, Command, CompareArgs, PaperArgs, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
     compare::{COMPARISON, RunFailed, parse_seeds, run_all, terminal_table},
     cosim::Fault,
     doctor,
     output::{terminal_text, write_table},
+    paper,
     run::{self, RunError, RunOptions},
     scenario::{Catalog, Scenario, ScenarioError, template},
 };
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Run(args) => run(&args),
         Command::Compare(args) => compare(&args),
         Command::Check(args) => check(&args),
+        Command::Paper(args) => paper_tests(args),
         Command::List => list(),
         Command::Doctor => doctor(),
     };
@@ -112,6 +114,13 @@ fn check(args: &CheckArgs) -> miette::Result<ExitCode> {
     let scenario = Scenario::load(&args.scenario.request(), &catalog)?;
     notes(&scenario.notes);
     print(&scenario.to_toml())
+}
+
+fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
+    let PaperArgs { test, out, preset, driver, set } = args;
+    let page = out.join("index.html");
+    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets: set })?;
+    print(&format!("{}{}\n", results.table(), page.display()))
 }
 
 fn list() -> miette::Result<ExitCode> {

@@ -5,7 +5,7 @@
 mod outcome;
 mod profile;
 mod progress;
-mod setup;
+pub mod setup;
 mod writers;
 
 use crate::cosim::state::State;

@@ -100,6 +100,8 @@ pub enum Source {
     },
     /// Whatever the SUMO at `connect` has loaded.
     Running,
+    /// Nothing: the vehicles drive without SUMO ([`Scenario::load_offline`]).
+    Offline,
 }
 
 /// A name of a registry with the values of its keys.
@@ -192,7 +194,15 @@ impl Scenario {
     /// # Errors
     /// What is wrong, with file, line, key, what was found and what was wanted.
     pub fn load(request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
-        load::load(request, catalog)
+        load::load(request, catalog, false)
+    }
+
+    /// The same for vehicles that drive without SUMO: a scenario that names nothing for SUMO to load is whole.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn load_offline(request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
+        load::load(request, catalog, true)
     }
 
     /// The scenario as TOML in SI units. Reading it gives the same scenario.

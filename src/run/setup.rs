@@ -17,12 +17,6 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// A name that no registry has, or a file of a profile or tyre that cannot be used.
 pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
-    let plant = find("plant", PLANTS, scenario.plant.name)?;
-    let clockwork = Clockwork {
-        plant: (plant.build)(&scenario.plant.values),
-        period_s: scenario.control_period_s,
-        lead_mps: scenario.coupling.lead_mps,
-    };
     let targets = scenario.groups.iter().map(|group| {
         let entry = find("target", TARGETS, group.target.name)?;
         Ok((entry.build)(&group.target.values, Path::new(""))?)
@@ -36,7 +30,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         groups: scenario.groups.clone(),
         egos: scenario.egos.clone(),
         equipped: Equipped::of_scenario(scenario),
-        clockwork,
+        clockwork: clockwork(scenario)?,
         seed: scenario.sumo.seed,
         sigma: scenario.traffic.sigma,
         fault: Fault::None,
@@ -44,7 +38,24 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
     })
 }
 
-fn block(group: &Group, period_s: f64) -> Result<GroupSetup, RunError> {
+/// What all blocks of a scenario's fleet share.
+///
+/// # Errors
+/// [`RunError::Unknown`] if there is no such plant.
+pub fn clockwork(scenario: &Scenario) -> Result<Clockwork, RunError> {
+    let plant = find("plant", PLANTS, scenario.plant.name)?;
+    Ok(Clockwork {
+        plant: (plant.build)(&scenario.plant.values),
+        period_s: scenario.control_period_s,
+        lead_mps: scenario.coupling.lead_mps,
+    })
+}
+
+/// How the blocks of a group are made.
+///
+/// # Errors
+/// [`RunError::Unknown`] if there is no such controller.
+pub fn block(group: &Group, period_s: f64) -> Result<GroupSetup, RunError> {
     let entry = find("controller", CONTROLLERS, group.controller.name)?;
     let values = group.controller.values.clone();
     Ok(GroupSetup {

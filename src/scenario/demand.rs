@@ -26,7 +26,7 @@ pub(super) fn check(scenario: &mut Scenario, root: &Table) -> Result<(), Scenari
     // Other clients and files given as options of SUMO may bring traffic that is not seen here.
     let may_be_empty = scenario.sumo.num_clients > 1 || INPUTS.iter().any(|(option, _)| given.contains_key(*option));
     match scenario.sumo.source.clone() {
-        Source::Running => Ok(()),
+        Source::Running | Source::Offline => Ok(()),
         Source::Config(path) => configuration(scenario, &path, may_be_empty),
         Source::Network { net, routes, additional } => {
             add_included(scenario, &additional)?;

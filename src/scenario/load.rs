@@ -56,7 +56,7 @@ impl Request {
     }
 }
 
-pub(super) fn load(request: &Request, catalog: &Catalog) -> Result<Scenario, ScenarioError> {
+pub(super) fn load(request: &Request, catalog: &Catalog, offline: bool) -> Result<Scenario, ScenarioError> {
     let mut notes = Vec::new();
     let mut root = match &request.scenario {
         Some(path) => read(path)?,
@@ -67,7 +67,7 @@ pub(super) fn load(request: &Request, catalog: &Catalog) -> Result<Scenario, Sce
         given.apply(&mut root)?;
     }
     known("", &root, SECTIONS)?;
-    let mut scenario = resolve(request, &root, catalog)?;
+    let mut scenario = resolve(request, &root, catalog, offline)?;
     scenario.inputs.splice(0..0, request.scenario.iter().map(|p| absolute(Path::new(""), p)));
     demand::check(&mut scenario, &root)?;
     let mut seen = std::collections::BTreeSet::new();
@@ -129,9 +129,9 @@ pub(super) fn choices(catalog: &Catalog) -> [(&'static str, &Options, &'static s
     ]
 }
 
-fn resolve(request: &Request, root: &Table, catalog: &Catalog) -> Result<Scenario, ScenarioError> {
+fn resolve(request: &Request, root: &Table, catalog: &Catalog, offline: bool) -> Result<Scenario, ScenarioError> {
     let section = |name: &str| section(root, name, name);
-    let (sumo, mut inputs) = sumo(&section("sumo")?)?;
+    let (sumo, mut inputs) = sumo(&section("sumo")?, offline)?;
     let coupling = check("coupling", COUPLING_KEYS, &section("coupling")?)?.values;
     let traffic = check("traffic", TRAFFIC_KEYS, &section("traffic")?)?.values;
     let egos = section("egos")?;
@@ -189,6 +189,7 @@ fn name(request: &Request, root: &Table, sumo: &SumoSetup) -> Result<String, Sce
     let file = match (&request.scenario, &sumo.source) {
         (Some(path), _) | (None, Source::Config(path) | Source::Network { net: path, .. }) => path.as_path(),
         (None, Source::Running) => return Ok("running".to_owned()),
+        (None, Source::Offline) => return Ok("offline".to_owned()),
     };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
@@ -197,7 +198,7 @@ fn name(request: &Request, root: &Table, sumo: &SumoSetup) -> Result<String, Sce
     Ok(if stem.is_empty() { "scenario".to_owned() } else { stem.to_owned() })
 }
 
-fn sumo(table: &Table) -> Result<(SumoSetup, Vec<PathBuf>), ScenarioError> {
+fn sumo(table: &Table, offline: bool) -> Result<(SumoSetup, Vec<PathBuf>), ScenarioError> {
     let lists: Vec<&str> = SUMO_LISTS.iter().map(|l| l.0).collect();
     let values = Section { path: "sumo", keys: SUMO_KEYS, others: &lists, spread: false }.check(table)?.values;
     let files = |key: &str| -> Result<Vec<PathBuf>, ScenarioError> {
@@ -210,12 +211,13 @@ fn sumo(table: &Table) -> Result<(SumoSetup, Vec<PathBuf>), ScenarioError> {
         (Some(config), None, _) => Source::Config(config.into()),
         (None, Some(net), _) => Source::Network { net: net.into(), routes, additional },
         (None, None, Some(_)) => Source::Running,
+        (None, None, None) if offline => Source::Offline,
         (None, None, None) => return Err(ScenarioError::NoSource("nothing to run".to_owned())),
         (Some(_), Some(_), _) => {
             return Err(wrong(&table["net"], "sumo.net", "either sumo.config or sumo.net, not both"));
         }
     };
-    if let (Source::Config(_) | Source::Running, Some((key, entry))) =
+    if let (Source::Config(_) | Source::Running | Source::Offline, Some((key, entry))) =
         (&source, table.get_key_value("routes").or(table.get_key_value("additional")))
     {
         return Err(wrong(entry, &format!("sumo.{key}"), "sumo.net beside it"));
@@ -242,7 +244,7 @@ fn sumo(table: &Table) -> Result<(SumoSetup, Vec<PathBuf>), ScenarioError> {
         Source::Network { net, routes, additional } => {
             std::iter::once(net).chain(routes).chain(additional).cloned().collect()
         }
-        Source::Running => Vec::new(),
+        Source::Running | Source::Offline => Vec::new(),
     };
     Ok((setup, inputs))
 }

@@ -128,7 +128,7 @@ impl Document {
                 self.texts("routes", routes.iter().map(|p| p.to_string_lossy()));
                 self.texts("additional", additional.iter().map(|p| p.to_string_lossy()));
             }
-            Source::Running => {}
+            Source::Running | Source::Offline => {}
         }
         self.number("step_length_s", Some(sumo.step_length_s));
         self.number("end_s", sumo.end_s);

@@ -50,7 +50,7 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     let mut redirect = Redirect::new(&folder);
     let mut outputs = BTreeMap::new();
     match &setup.source {
-        Source::Running => {}
+        Source::Running | Source::Offline => {}
         Source::Config(path) => {
             line.push("configuration-file", &path.to_string_lossy());
             outputs = configured(&mut line, path, &mut redirect)?;

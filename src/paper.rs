@@ -1,0 +1,203 @@
+//! The experiments of Polack et al. 2017, without SUMO: each test under each preset, next to the published numbers.
+//!
+//! The paper leaves much open (vehicle, control period, K_P, torque scale and limits, the steps, the recording). A *preset* is one
+//! choice of all that; every test runs under every preset, so that nothing is picked test by test. The vehicles drive in
+//! the fleet that `run` uses ([`world`]). One file per test; [`TESTS`] lists them.
+
+pub mod disturb;
+pub mod driver;
+pub mod figure;
+pub mod law;
+pub mod library;
+pub mod page;
+pub mod results;
+pub mod series;
+pub mod sine;
+pub mod step;
+pub mod world;
+
+use crate::cosim::CosimError;
+use crate::reference::ReferenceError;
+use crate::registry::{Entry, UnknownName, find};
+use crate::run::RunError;
+use crate::scenario::{Override, ScenarioError};
+use figure::Figure;
+use library::{Library, Preset};
+use rayon::prelude::*;
+use results::{Results, Row};
+use series::Series;
+use std::path::{Path, PathBuf};
+
+/// The controllers that the paper compares.
+pub const CONTROLLERS: [&str; 2] = ["classic", "adaptive"];
+/// Seeds of the noise. With the vehicle without noise they fill two blocks.
+pub const SEEDS: usize = 31;
+
+/// Runs a test under one preset.
+pub type Run = fn(&Lab, &Preset) -> Result<Finding, PaperError>;
+
+/// All tests that run under every preset, in the order of the paper.
+pub static TESTS: &[Entry<Run>] = &[
+    Entry { name: "step", summary: "steps of position, Section 5.1", keys: &[], build: step::run },
+    Entry { name: "sine", summary: "a sinusoid of position, Section 5.2", keys: &[], build: sine::run },
+    Entry { name: "driver", summary: "a driver's recording, Section 5.3", keys: &[], build: driver::run },
+    Entry {
+        name: "delay",
+        summary: "the recording with 250 ms of input delay, Section 5.4",
+        keys: &[],
+        build: driver::run_delayed,
+    },
+    Entry {
+        name: "disturb",
+        summary: "mass, tyres, friction, slope, wind and bank change on the way",
+        keys: &[],
+        build: disturb::run,
+    },
+];
+
+/// What the tests are given.
+#[derive(Debug)]
+pub struct Lab {
+    /// Scenario files and presets.
+    pub library: Library,
+    /// Somebody's own recording, in place of ours.
+    pub driver: Option<PathBuf>,
+}
+
+/// What came out of a test.
+#[derive(Debug, Clone, Default)]
+pub struct Finding {
+    /// Numbers.
+    pub rows: Vec<Row>,
+    /// Figures.
+    pub figures: Vec<Figure>,
+    /// What the figures show, as numbers.
+    pub series: Vec<Series>,
+}
+
+impl Finding {
+    /// Adds another one behind it.
+    pub fn extend(&mut self, other: Self) {
+        self.rows.extend(other.rows);
+        self.figures.extend(other.figures);
+        self.series.extend(other.series);
+    }
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// A name of [`TESTS`], or `all`.
+    pub test: String,
+    /// Folder of the results.
+    pub out_dir: PathBuf,
+    /// Only this preset; none = all.
+    pub preset: Option<String>,
+    /// A recording in place of ours.
+    pub driver: Option<PathBuf>,
+    /// Changes to the scenarios.
+    pub sets: Vec<Override>,
+}
+
+/// Why there is no result.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum PaperError {
+    /// A file cannot be read or written.
+    #[error("cannot {action} {}: {source}", .path.display())]
+    File {
+        /// "read" or "write".
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A file of the library is not a fragment of a scenario.
+    #[error("{}: {what}", .path.display())]
+    Fragment {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+    },
+    /// A test or preset that does not exist.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
+    /// The target is no profile, or one without an end where an end is needed.
+    #[error("target: wanted a profile with an end (target.name = \"profile\")")]
+    NoProfile,
+    /// The scenario.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The profile.
+    #[error("[target]: {0}")]
+    Reference(#[from] ReferenceError),
+    /// The vehicle.
+    #[error(transparent)]
+    Vehicle(#[from] CosimError),
+    /// A name of a registry, a plant or controller.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+impl PaperError {
+    /// Names the file in an error of the operating system.
+    pub fn reading(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::File { action: "read", path: path.to_owned(), source }
+    }
+}
+
+/// Runs what is asked for and writes `results.csv`, `series/`, `figures/` and `index.html` into the folder.
+///
+/// # Errors
+/// [`PaperError`]
+pub fn run(request: &Request) -> Result<Results, PaperError> {
+    let tests: Vec<&Entry<Run>> = match request.test.as_str() {
+        "all" => TESTS.iter().collect(),
+        name => vec![find("test", TESTS, name)?],
+    };
+    let library = Library::open(&request.out_dir.join("scenarios"), &request.sets)?;
+    let lab = Lab { library, driver: request.driver.clone() };
+    let presets: Vec<&Preset> = match &request.preset {
+        Some(name) => vec![lab.library.find(name)?],
+        None => lab.library.presets.iter().collect(),
+    };
+    let jobs: Vec<(&Entry<Run>, &Preset)> =
+        tests.iter().flat_map(|test| presets.iter().map(move |preset| (*test, *preset))).collect();
+    let findings: Vec<Finding> =
+        jobs.par_iter().map(|(test, preset)| (test.build)(&lab, preset)).collect::<Result<_, _>>()?;
+    let mut whole = Finding::default();
+    for finding in findings {
+        whole.extend(finding);
+    }
+    if tests.iter().any(|t| t.name == "step") {
+        let results = Results { rows: whole.rows.clone() };
+        whole.extend(law::run(&lab, presets[0], &results)?);
+    }
+    write_all(request, &lab, &presets, whole)
+}
+
+fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) -> Result<Results, PaperError> {
+    let dir = &request.out_dir;
+    for series in &whole.series {
+        write(&dir.join("series").join(format!("{}.csv", series.name)), &series.csv)?;
+    }
+    for figure in &whole.figures {
+        write(&dir.join("figures").join(format!("{}.svg", figure.name)), &figure.file())?;
+    }
+    let results = Results { rows: whole.rows.clone() };
+    write(&dir.join("results.csv"), &results.to_csv())?;
+    write(&dir.join("index.html"), &page::page(lab, presets, &results, &whole))?;
+    Ok(results)
+}
+
+/// Writes a whole file; missing folders above it are made.
+fn write(path: &Path, text: &str) -> Result<(), PaperError> {
+    let failed = |source| PaperError::File { action: "write", path: path.to_owned(), source };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(failed)?;
+    }
+    std::fs::write(path, text).map_err(failed)
+}

@@ -1,0 +1,135 @@
+//! Disturbances as steps: the claim behind model-free control is that no vehicle data is needed and that wind, slope and
+//! bank are rejected as part of F (Section 2). Every controller of the registry that drives a body is tried.
+
+use super::figure::{Bars, Figure};
+use super::library::Preset;
+use super::results::{Row, Rows};
+use super::world::{End, World};
+use super::{Finding, Lab, PaperError};
+use crate::control::CONTROLLERS;
+use crate::fleet::block::Block;
+use crate::plant::Body;
+
+/// Length of the test [m].
+const LENGTH_M: f64 = 1000.0;
+/// Where the disturbance sets in [m].
+const FROM_M: f64 = 200.0;
+/// Seeds of the noise, per disturbance.
+const SEEDS: usize = 20;
+
+/// What changes at [`FROM_M`].
+struct Disturbance {
+    /// Behind the test's name.
+    suffix: &'static str,
+    act: fn(&mut Block, usize),
+}
+
+const DISTURBANCES: &[Disturbance] = &[
+    Disturbance { suffix: "", act: |_, _| {} },
+    Disturbance { suffix: "_mass_plus_50", act: |b, i| body(b, i, |body| load(body, 1.5)) },
+    Disturbance { suffix: "_mass_minus_50", act: |b, i| body(b, i, |body| load(body, 0.5)) },
+    Disturbance { suffix: "_stiffness_plus_30", act: |b, i| body(b, i, |body| stiffen(body, 1.3)) },
+    Disturbance { suffix: "_stiffness_minus_30", act: |b, i| body(b, i, |body| stiffen(body, 0.7)) },
+    Disturbance { suffix: "_friction_0.5", act: |b, i| body(b, i, |body| body.friction = [0.5; 4]) },
+    Disturbance { suffix: "_friction_0.2", act: |b, i| body(b, i, |body| body.friction = [0.2; 4]) },
+    Disturbance { suffix: "_grade_plus_5", act: |b, i| b.inputs_mut().grade_rad[i] = libm::atan(0.05) },
+    Disturbance { suffix: "_grade_minus_5", act: |b, i| b.inputs_mut().grade_rad[i] = libm::atan(-0.05) },
+    Disturbance { suffix: "_headwind_15", act: |b, i| b.inputs_mut().headwind_mps[i] = 15.0 },
+    Disturbance { suffix: "_tailwind_15", act: |b, i| b.inputs_mut().headwind_mps[i] = -15.0 },
+    Disturbance { suffix: "_bank_5", act: |b, i| b.inputs_mut().bank_rad[i] = libm::atan(0.05) },
+];
+
+fn body(block: &mut Block, lane: usize, change: impl Fn(&mut Body)) {
+    let mut body = block.plant().body(lane).clone();
+    change(&mut body);
+    block.plant_mut().set_body(lane, &body);
+}
+
+fn load(body: &mut Body, factor: f64) {
+    body.mass_kg *= factor;
+    body.yaw_inertia_kgm2 *= factor;
+}
+
+fn stiffen(body: &mut Body, factor: f64) {
+    for tyre in body.longitudinal.iter_mut().chain(&mut body.lateral) {
+        tyre.b *= factor;
+    }
+}
+
+/// The error of one vehicle from the disturbance on.
+#[derive(Debug, Clone, Copy, Default)]
+struct Error {
+    samples: u32,
+    squares: f64,
+    largest: f64,
+}
+
+/// The test under one preset.
+///
+/// # Errors
+/// [`PaperError`] if the scenario cannot be read.
+pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
+    let mut rows = Vec::new();
+    let names: Vec<&'static str> = CONTROLLERS.iter().map(|c| c.name).filter(|n| *n != "ideal").collect();
+    for controller in &names {
+        let scenario = lab.library.scenario("disturb", preset, controller, &[])?;
+        let world = World::new(&scenario)?;
+        rows.extend(numbers(&world, preset, controller)?);
+    }
+    let figures = vec![figure(preset, &names, &rows)];
+    Ok(Finding { rows, figures, series: Vec::new() })
+}
+
+fn numbers(world: &World, preset: &Preset, controller: &'static str) -> Result<Vec<Row>, PaperError> {
+    let start_mps = world.profile.at(0.0, 0.0, 0.0).0;
+    let mut vehicles = Vec::new();
+    for _ in DISTURBANCES {
+        vehicles.extend(world.vehicles(SEEDS, start_mps)?);
+    }
+    let mut errors = vec![Error::default(); vehicles.len()];
+    let outcomes = world.drive(vehicles, End::Distance(LENGTH_M), |vehicle, block, lane, _| {
+        if block.distance_m(lane) < FROM_M {
+            return;
+        }
+        let error = &mut errors[vehicle];
+        if error.samples == 0 {
+            (DISTURBANCES[vehicle / (SEEDS + 1)].act)(block, lane);
+        }
+        let e = block.speed_mps(lane) - block.reference_mps(lane);
+        error.samples += 1;
+        error.squares += e * e;
+        error.largest = error.largest.max(e.abs());
+    })?;
+    let mut rows = Vec::new();
+    for (d, disturbance) in DISTURBANCES.iter().enumerate() {
+        let mine = d * (SEEDS + 1)..(d + 1) * (SEEDS + 1);
+        let column = |of: fn(&Error) -> f64| {
+            mine.clone().map(|i| outcomes[i].finished.then(|| of(&errors[i]))).collect::<Vec<_>>()
+        };
+        let test = format!("disturb{}", disturbance.suffix);
+        let named = Rows { test: &test, preset: &preset.name, controller };
+        rows.extend(named.of("error_rms", "m/s", &column(|e| (e.squares / f64::from(e.samples)).sqrt())));
+        rows.extend(named.of("error_max_abs", "m/s", &column(|e| e.largest)));
+    }
+    Ok(rows)
+}
+
+fn figure(preset: &Preset, names: &[&'static str], rows: &[Row]) -> Figure {
+    let groups = DISTURBANCES.iter().map(|disturbance| {
+        let test = format!("disturb{}", disturbance.suffix);
+        let value = |name: &str| {
+            rows.iter().find(|r| r.test == test && !r.noise && r.controller == name && r.quantity == "error_rms")?.value
+        };
+        let label = disturbance.suffix.trim_start_matches('_').replace('_', " ");
+        let label = if label.is_empty() { "undisturbed".to_owned() } else { label };
+        (label, names.iter().map(|name| (*name, value(name))).collect())
+    });
+    Figure::bars(
+        &format!("{}_disturb_rms", preset.name),
+        &Bars {
+            title: format!("RMS error after a disturbance, without noise, preset {}", preset.name),
+            unit: "error RMS [m/s]",
+            groups: groups.collect(),
+        },
+    )
+}

@@ -1,0 +1,183 @@
+//! The scenario files of the experiments. Each is a fragment of a scenario; one experiment is put together from
+//! `vehicle.toml`, a preset, the test and what `--set` says, later ones winning.
+
+use super::PaperError;
+use crate::control::CONTROLLERS;
+use crate::registry::{UnknownName, find, nearest};
+use crate::scenario::{Catalog, Override, Request, Scenario};
+use std::path::{Path, PathBuf};
+use toml_edit::{DocumentMut, Item};
+
+/// Where the files are in a clone of the repository.
+const IN_REPOSITORY: &str = "scenarios/paper";
+
+/// Puts the files of the library into the program, so that it works wherever it is called.
+macro_rules! carried {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../scenarios/paper/", $name)))),*]
+    };
+}
+
+const CARRIED: &[(&str, &str)] = carried![
+    "vehicle.toml",
+    "step.toml",
+    "sine.toml",
+    "driver.toml",
+    "delay.toml",
+    "disturb.toml",
+    "presets/default.toml",
+    "presets/step1.toml",
+    "presets/step2.toml",
+    "presets/step3.toml",
+    "presets/step4.toml",
+    "presets/step5.toml",
+    "presets/step6.toml",
+    "presets/delay_a.toml",
+    "presets/delay_b.toml",
+    "presets/delay_d.toml",
+    "data/racing_lap.csv",
+    "data/udds.csv",
+    "data/hwfet.csv",
+];
+
+/// The controllers that a preset's `[controller]` is for; the others keep their own tuning.
+const MODEL_FREE: [&str; 2] = ["classic", "adaptive"];
+
+/// A preset: one choice of all that the paper leaves open.
+#[derive(Debug, Clone)]
+pub struct Preset {
+    /// The file's stem.
+    pub name: String,
+    /// One line.
+    pub title: String,
+    /// What it is for and where it ends.
+    pub why: String,
+    /// Whether the driving cycles are driven too, which takes long at a short control period.
+    pub cycles: bool,
+    settings: Vec<Override>,
+}
+
+/// The files, and what the command line changes.
+#[derive(Debug, Clone)]
+pub struct Library {
+    folder: PathBuf,
+    sets: Vec<Override>,
+    /// All presets, `default` first.
+    pub presets: Vec<Preset>,
+}
+
+impl Library {
+    /// Opens `scenarios/paper` below the working directory; where there is none, the program's own copy, which it writes
+    /// to `spare`.
+    ///
+    /// # Errors
+    /// [`PaperError::File`] if a file cannot be read or written, [`PaperError::Fragment`] if it is not what it should be.
+    pub fn open(spare: &Path, sets: &[Override]) -> Result<Self, PaperError> {
+        let here = Path::new(IN_REPOSITORY);
+        let folder = if here.join("presets").is_dir() { here.to_owned() } else { carry(spare)? };
+        let mut library = Self { folder, sets: sets.to_vec(), presets: Vec::new() };
+        let listed = std::fs::read_dir(library.folder.join("presets")).map_err(PaperError::reading(&library.folder))?;
+        let mut names: Vec<String> = listed
+            .filter_map(|entry| Some(entry.ok()?.file_name().to_str()?.strip_suffix(".toml")?.to_owned()))
+            .collect();
+        names.sort_by_key(|name| (name != "default", name.clone()));
+        library.presets = names.into_iter().map(|name| library.preset(name)).collect::<Result<_, _>>()?;
+        Ok(library)
+    }
+
+    /// The folder of the files.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The preset called `name`.
+    ///
+    /// # Errors
+    /// [`PaperError::Unknown`] with all known names.
+    pub fn find(&self, name: &str) -> Result<&Preset, PaperError> {
+        self.presets.iter().find(|p| p.name == name).ok_or_else(|| {
+            let known: Vec<String> = self.presets.iter().map(|p| p.name.clone()).collect();
+            let suggestion = nearest(name, known.iter().map(String::as_str)).map(str::to_owned);
+            PaperError::Unknown(UnknownName { kind: "preset", name: name.to_owned(), suggestion, known })
+        })
+    }
+
+    fn preset(&self, name: String) -> Result<Preset, PaperError> {
+        let path = self.folder.join("presets").join(format!("{name}.toml"));
+        let document = read(&path)?;
+        let text = |key: &str| document.get(key).and_then(Item::as_str).unwrap_or_default().to_owned();
+        let cycles = document.get("cycles").and_then(Item::as_bool).unwrap_or(false);
+        let settings = settings(&path, &document)?;
+        Ok(Preset { name, title: text("title"), why: text("why"), cycles, settings })
+    }
+
+    /// The scenario of a test under a preset with a controller; `more` comes before the command line's own settings.
+    ///
+    /// # Errors
+    /// [`PaperError`] if a file is not a fragment or the whole not a scenario.
+    pub fn scenario(
+        &self,
+        test: &str,
+        preset: &Preset,
+        controller: &str,
+        more: &[Override],
+    ) -> Result<Scenario, PaperError> {
+        let mut settings = Vec::new();
+        for name in ["vehicle", test] {
+            let path = self.folder.join(format!("{name}.toml"));
+            settings.push(self::settings(&path, &read(&path)?)?);
+        }
+        let [vehicle, test] = <[_; 2]>::try_from(settings).expect("two files were read");
+        let chosen = Override::text("controller", "controller.name", controller);
+        let all = vehicle.iter().chain(&preset.settings).chain(&test).chain(more).chain(&self.sets);
+        let mine = all.filter(|given| concerns(controller, &given.path)).cloned();
+        let overrides = std::iter::once(chosen).chain(mine).collect();
+        Ok(Scenario::load_offline(&Request { scenario: None, overrides }, &Catalog::installed())?)
+    }
+}
+
+/// False for a key of the model-free laws that `controller` does not have: it is meant for the others.
+fn concerns(controller: &str, path: &str) -> bool {
+    let Some(key) = path.strip_prefix("controller.") else { return true };
+    let has = |name: &str| {
+        find("controller", CONTROLLERS, name).is_ok_and(|entry| entry.keys.iter().any(|k| k.name == key))
+    };
+    if MODEL_FREE.contains(&controller) { has(controller) || !MODEL_FREE.iter().any(|n| has(n)) } else { false }
+}
+
+/// Writes the program's own copy of the files.
+fn carry(spare: &Path) -> Result<PathBuf, PaperError> {
+    for (name, text) in CARRIED {
+        super::write(&spare.join(name), text)?;
+    }
+    Ok(spare.to_owned())
+}
+
+fn read(path: &Path) -> Result<DocumentMut, PaperError> {
+    let text = std::fs::read_to_string(path).map_err(PaperError::reading(path))?;
+    text.parse().map_err(|e: toml_edit::TomlError| PaperError::Fragment { path: path.to_owned(), what: e.to_string() })
+}
+
+/// The sections of a fragment as settings; a profile's file is relative to the fragment's folder.
+fn settings(path: &Path, document: &DocumentMut) -> Result<Vec<Override>, PaperError> {
+    let mut settings = Vec::new();
+    for (section, item) in document.iter() {
+        let Some(table) = item.as_table() else { continue };
+        for (key, item) in table.iter() {
+            let Some(value) = item.as_value() else {
+                let what = format!("[{section}] {key}: found a table, wanted a value");
+                return Err(PaperError::Fragment { path: path.to_owned(), what });
+            };
+            let dotted = format!("{section}.{key}");
+            let from = format!("{}: {dotted} =", path.display());
+            settings.push(match value.as_str() {
+                Some(file) if dotted == "target.file" => {
+                    let folder = path.parent().unwrap_or(Path::new(""));
+                    Override::text(&from, &dotted, &folder.join(file).to_string_lossy())
+                }
+                _ => Override::literal(&from, &dotted, value.clone().decorated("", "")),
+            });
+        }
+    }
+    Ok(settings)
+}

@@ -1,0 +1,149 @@
+//! Steps of position (Section 5.1): overshoot and undershoot of each step, where it settles, and how long α̂ stays nominal.
+
+use super::figure::{Chart, Curve, Figure};
+use super::library::Preset;
+use super::results::{Row, Rows};
+use super::series::Series;
+use super::world::{End, Moment, World};
+use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
+
+/// Length of the test [m].
+pub const LENGTH_M: f64 = 600.0;
+/// The band in which a step has settled, relative to its height.
+pub const BAND: f64 = 0.02;
+
+/// A constant target on a stretch of road.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plateau {
+    /// Where it begins [m].
+    pub from_m: f64,
+    /// Where the next one does [m].
+    pub to_m: f64,
+    /// The target [m/s].
+    pub target_mps: f64,
+}
+
+/// How a vehicle took a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Response {
+    /// Largest speed above the target [% of the target]; 0 if it never got there.
+    pub overshoot: f64,
+    /// Largest speed below the target after it was first reached [%].
+    pub undershoot: f64,
+    /// Metres from the step to where it entered the band for good; none if it never did.
+    pub settling_m: Option<f64>,
+}
+
+/// The response of a vehicle, given its places [m] and speeds [m/s], to a step upwards.
+pub fn response(path: &[(f64, f64)], plateau: &Plateau) -> Response {
+    let on = path.iter().filter(|(s, _)| (plateau.from_m..plateau.to_m).contains(s));
+    let (mut over, mut under, mut reached, mut settled) = (0.0_f64, 0.0_f64, false, None);
+    for (s, v) in on {
+        let relative = v / plateau.target_mps - 1.0;
+        reached |= relative >= 0.0;
+        if reached {
+            over = over.max(relative);
+            under = under.max(-relative);
+        }
+        match (relative.abs() <= BAND, settled) {
+            (true, None) => settled = Some(s - plateau.from_m),
+            (false, Some(_)) => settled = None,
+            _ => {}
+        }
+    }
+    Response { overshoot: 100.0 * over, undershoot: 100.0 * under, settling_m: settled }
+}
+
+/// Everything that the test shows about one controller.
+pub struct Drive {
+    /// The vehicle without noise, every period.
+    pub exact: Vec<Moment>,
+    /// Responses to both steps, of the vehicle without noise and then of each with.
+    pub responses: Vec<[Response; 2]>,
+    /// Share of the time with α̂ nominal.
+    pub nominal: Vec<f64>,
+}
+
+/// The two steps of the test.
+pub fn plateaus(world: &World) -> [Plateau; 2] {
+    let at = |s: f64| world.profile.at(s, 0.0, 0.0).0;
+    // The second step is where the profile changes.
+    let places = (0..LENGTH_M as u32).map(f64::from);
+    let second_m = places.into_iter().find(|s| at(*s) != at(0.0)).unwrap_or(LENGTH_M);
+    [
+        Plateau { from_m: 0.0, to_m: second_m, target_mps: at(0.0) },
+        Plateau { from_m: second_m, to_m: LENGTH_M, target_mps: at(second_m) },
+    ]
+}
+
+/// Drives the test.
+///
+/// # Errors
+/// [`PaperError`] if the scenario has no profile.
+pub fn drive(world: &World, seeds: usize) -> Result<Drive, PaperError> {
+    let steps = plateaus(world);
+    let mut exact = Vec::new();
+    let mut paths = vec![Vec::new(); seeds + 1];
+    let mut nominal = vec![0_u32; seeds + 1];
+    world.drive(world.vehicles(seeds, 0.0)?, End::Distance(LENGTH_M), |vehicle, block, lane, time_s| {
+        let moment = Moment::of(block, lane, time_s);
+        paths[vehicle].push((moment.distance_m, moment.speed_mps));
+        nominal[vehicle] += u32::from(moment.alpha_ratio == 1.0);
+        if vehicle == 0 {
+            exact.push(moment);
+        }
+    })?;
+    let nominal = nominal.iter().zip(&paths).map(|(n, path)| f64::from(*n) / path.len() as f64).collect();
+    let responses = paths.iter().map(|path| steps.map(|step| response(path, &step))).collect();
+    Ok(Drive { exact, responses, nominal })
+}
+
+/// The test under one preset.
+///
+/// # Errors
+/// [`PaperError`] if the scenario cannot be read.
+pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
+    let mut drives = Vec::new();
+    let mut rows = Vec::new();
+    for controller in CONTROLLERS {
+        let scenario = lab.library.scenario("step", preset, controller, &[])?;
+        let drive = drive(&World::new(&scenario)?, SEEDS)?;
+        rows.extend(numbers(&Rows { test: "step", preset: &preset.name, controller }, &drive));
+        drives.push((controller, drive.exact));
+    }
+    Ok(Finding { rows, figures: figures(preset, &drives), series: Series::all("step", preset, &drives) })
+}
+
+fn numbers(rows: &Rows, drive: &Drive) -> Vec<Row> {
+    let column = |of: &dyn Fn(&[Response; 2]) -> Option<f64>| drive.responses.iter().map(of).collect::<Vec<_>>();
+    let nominal: Vec<_> = drive.nominal.iter().map(|share| Some(*share)).collect();
+    [
+        rows.of("overshoot_1", "%", &column(&|r| Some(r[0].overshoot))),
+        rows.of("overshoot_2", "%", &column(&|r| Some(r[1].overshoot))),
+        rows.of("undershoot_1", "%", &column(&|r| Some(r[0].undershoot))),
+        rows.of("undershoot_2", "%", &column(&|r| Some(r[1].undershoot))),
+        rows.of("settling_1", "m", &column(&|r| r[0].settling_m)),
+        rows.of("settling_2", "m", &column(&|r| r[1].settling_m)),
+        rows.of("alpha_nominal_share", "1", &nominal),
+    ]
+    .concat()
+}
+
+fn figures(preset: &Preset, drives: &[(&'static str, Vec<Moment>)]) -> Vec<Figure> {
+    let chart = |what: &str, title: &str, y: &str, of: &dyn Fn(&Moment) -> f64| {
+        let curves = drives.iter().map(|(name, moments)| {
+            Curve::of(name, moments.iter().map(|m| (m.distance_m, of(m))).collect())
+        });
+        let reference = drives[0].1.iter().map(|m| (m.distance_m, m.reference_mps)).collect();
+        let reference = (what == "speed").then(|| Curve::of("reference", reference));
+        let title = format!("{title}, preset {}", preset.name);
+        let curves = reference.into_iter().chain(curves).collect();
+        Figure::chart(&format!("{}_step_{what}", preset.name), &Chart { title, x: "distance s [m]", y, curves, ..Chart::default() })
+    };
+    vec![
+        chart("speed", "Speed, steps of position", "speed [m/s]", &|m| m.speed_mps),
+        chart("error", "Speed error, steps of position", "error [m/s]", &|m| m.speed_mps - m.reference_mps),
+        chart("torque", "Torque of one front wheel, steps of position", "torque [N m]", &|m| m.front_wheel_nm),
+        chart("alpha", "Adapted gain, steps of position", "alpha / alpha nominal", &|m| m.alpha_ratio),
+    ]
+}

@@ -1,0 +1,155 @@
+//! Vehicles on a road without SUMO: the fleet of a scenario, its target profile, nothing else. The closed loop is the
+//! one that `run` uses, period by period.
+
+use super::PaperError;
+use crate::cosim::bodies::{TypeFacts, vehicle};
+use crate::fleet::block::{Block, Bound, Follow};
+use crate::fleet::{Fleet, Slot, VehicleSetup};
+use crate::reference::{Profile, TARGETS, Target};
+use crate::registry::find;
+use crate::run::setup;
+use crate::scenario::Scenario;
+use crate::stats::VehicleStats;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Nobody drives longer than this [s].
+const PATIENCE_S: f64 = 7200.0;
+
+/// When a vehicle is done.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum End {
+    /// After so many metres.
+    Distance(f64),
+    /// After so many seconds.
+    Time(f64),
+}
+
+/// A vehicle at the end of a control period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Since its start [s].
+    pub time_s: f64,
+    /// Driven [m].
+    pub distance_m: f64,
+    /// y_r [m/s].
+    pub reference_mps: f64,
+    /// V_x [m/s].
+    pub speed_mps: f64,
+    /// Torque on one front wheel [N·m].
+    pub front_wheel_nm: f64,
+    /// α̂/α_nominal.
+    pub alpha_ratio: f64,
+}
+
+impl Moment {
+    /// The vehicle of a lane, `time_s` after its start.
+    pub fn of(block: &Block, lane: usize, time_s: f64) -> Self {
+        let body = block.plant().body(lane);
+        let torque_nm = block.torque_nm(lane);
+        let front_share = if torque_nm < 0.0 { body.brake_front_share } else { body.drive_front_share };
+        Self {
+            time_s,
+            distance_m: block.distance_m(lane),
+            reference_mps: block.reference_mps(lane),
+            speed_mps: block.speed_mps(lane),
+            front_wheel_nm: 0.5 * front_share * torque_nm,
+            alpha_ratio: block.controller().alpha_ratio(lane),
+        }
+    }
+}
+
+/// What became of a vehicle.
+#[derive(Debug, Clone, Copy)]
+pub struct Outcome {
+    /// Its statistics, as `run` has them.
+    pub stats: VehicleStats,
+    /// False if it never came to the end, or its state is not a number.
+    pub finished: bool,
+}
+
+/// Everything that is needed to let vehicles of a scenario drive.
+pub struct World<'a> {
+    scenario: &'a Scenario,
+    /// What they follow.
+    pub profile: Arc<Profile>,
+    /// Whether they steer along the profile's recorded track.
+    pub along_track: bool,
+}
+
+impl<'a> World<'a> {
+    /// The world of a scenario whose target is a profile.
+    ///
+    /// # Errors
+    /// [`PaperError`] if the profile cannot be had, or the target is none.
+    pub fn new(scenario: &'a Scenario) -> Result<Self, PaperError> {
+        let target = &scenario.groups[0].target;
+        let target = (find("target", TARGETS, target.name)?.build)(&target.values, Path::new(""))?;
+        let Target::Profile(profile) = target else { return Err(PaperError::NoProfile) };
+        Ok(Self { scenario, profile, along_track: false })
+    }
+
+    /// One vehicle that measures without noise and `seeds` that do not, each with a stream of its own.
+    ///
+    /// # Errors
+    /// [`PaperError`] if the scenario's body is none.
+    pub fn vehicles(&self, seeds: usize, speed_mps: f64) -> Result<Vec<VehicleSetup>, PaperError> {
+        let group = &self.scenario.groups[0];
+        let make = |k: usize| {
+            let seed = self.scenario.sumo.seed + k as u64;
+            let setup = vehicle("ego", &TypeFacts::default(), &[], group, None, seed, speed_mps)?;
+            Ok(if k == 0 { VehicleSetup { noise: None, ..setup } } else { setup })
+        };
+        (0..=seeds).map(make).collect()
+    }
+
+    /// Lets the vehicles drive until each is at its end. In every period `watch` gets, for each vehicle still under way, its
+    /// number, its block and lane, and the time.
+    ///
+    /// # Errors
+    /// [`PaperError`] if the scenario's controller or plant is unknown.
+    pub fn drive(
+        &self,
+        vehicles: Vec<VehicleSetup>,
+        end: End,
+        mut watch: impl FnMut(usize, &mut Block, usize, f64),
+    ) -> Result<Vec<Outcome>, PaperError> {
+        let period_s = self.scenario.control_period_s;
+        let group = setup::block(&self.scenario.groups[0], period_s)?;
+        let mut fleet = Fleet::new(setup::clockwork(self.scenario)?, vec![group]);
+        let mut active: Vec<(usize, Slot)> =
+            vehicles.into_iter().enumerate().map(|(i, v)| (i, fleet.admit(0, v))).collect();
+        for (_, slot) in &active {
+            fleet.block_mut(*slot).set_target(slot.lane(), f64::INFINITY, Bound::Profile);
+        }
+        let mut outcomes = vec![None; active.len()];
+        let mut periods = 0_u32;
+        while !active.is_empty() {
+            if self.along_track {
+                for (_, slot) in &active {
+                    let block = fleet.block_mut(*slot);
+                    let curvature = self.profile.curvature_at(block.distance_m(slot.lane()));
+                    block.steering.set_curvature(slot.lane(), curvature);
+                }
+            }
+            fleet.advance(1, |_| true, Follow::Profile(&self.profile));
+            periods += 1;
+            let time_s = f64::from(periods) * period_s;
+            active.retain(|&(vehicle, slot)| {
+                let block = fleet.block_mut(slot);
+                watch(vehicle, block, slot.lane(), time_s);
+                let sound = block.is_sound(slot.lane());
+                let there = match end {
+                    End::Distance(metres) => block.distance_m(slot.lane()) >= metres,
+                    End::Time(seconds) => time_s >= seconds - 0.5 * period_s,
+                };
+                let goes_on = sound && !there && time_s < PATIENCE_S;
+                if !goes_on {
+                    outcomes[vehicle] = Some(Outcome { stats: fleet.release(slot), finished: sound && there });
+                }
+                goes_on
+            });
+        }
+        Ok(outcomes.into_iter().map(|o| o.expect("every vehicle ended")).collect())
+    }
+}
