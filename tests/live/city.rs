@@ -23,8 +23,10 @@ fn keeps_the_traffic(version: &str, step: &str, end: &str) {
         for row in &rows {
             assert_eq!(row["collisions"], "0", "{what}: {}", row["id"]);
             if row["complete"] == "true" {
-                let shares: f64 =
-                    ["share_traffic", "share_limit", "share_profile", "share_clamp"].iter().map(|c| number(row, c)).sum();
+                let shares: f64 = ["share_traffic", "share_limit", "share_profile", "share_clamp"]
+                    .iter()
+                    .map(|c| number(row, c))
+                    .sum();
                 assert!((shares - 1.0).abs() < 1e-9, "{what}: shares of {} sum to {shares}", row["id"]);
             }
         }

@@ -1,6 +1,6 @@
 //! The same bytes from the same seed, on any number of threads, and from the resolved scenario.
 
-use crate::support::{NEW, Running, Outcome, own, program, repository, run};
+use crate::support::{NEW, Outcome, Running, own, program, repository, run};
 use std::fs;
 
 const ARGS: [&str; 8] = ["--end", "150", "--step-length", "0.5", "--set", "noise.power_db=-20", "--trace", "all"];

@@ -40,7 +40,8 @@ fn runs_to_its_end(version: &str, name: &str, args: &[&str], at_least: usize) {
     let end_s: f64 = if name.starts_with("cologne") { 28_800.0 } else { 61_200.0 };
     assert!(last_s <= end_s && last_s > end_s - 60.0, "{what}: the last departure is at {last_s} s");
     assert_eq!(result.sumo("collisions"), 0.0, "{what}");
-    let worst = rows.iter().filter(|row| row["complete"] == "true").map(|row| number(row, "error_rms")).fold(0.0, f64::max);
+    let worst =
+        rows.iter().filter(|row| row["complete"] == "true").map(|row| number(row, "error_rms")).fold(0.0, f64::max);
     assert!(worst < 0.1, "{what}: an error of {worst} m/s (RMS)");
     assert_eq!(result.json("run.json")["status"], "complete", "{what}");
 }
