@@ -352,9 +352,8 @@ impl<'a> Run<'a> {
 
     /// Writes the result: tables, summary, manifest. If that fails, the manifest says so as long as it can be written.
     fn write(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
-        self.write_files(state, writers, broken.clone()).map_err(|error| {
+        self.write_files(state, writers, broken.clone()).inspect_err(|error| {
             let _ = self.dir.finish(&mut self.manifest, Some(broken.unwrap_or_else(|| error.to_string())));
-            error
         })
     }
 
