@@ -58,9 +58,7 @@ impl Choice {
     const HIGH: [f64; 6] = [0.6, 60.0, 7.0, 9.5, 0.1, 0.2];
 
     fn random(random: &mut Stream) -> Self {
-        let values = std::array::from_fn(|i| {
-            Self::LOW[i] * (Self::HIGH[i] / Self::LOW[i]).powf(random.uniform())
-        });
+        let values = std::array::from_fn(|i| Self::LOW[i] * (Self::HIGH[i] / Self::LOW[i]).powf(random.uniform()));
         let mut pick = |n: usize| (random.uniform() * n as f64) as usize;
         Self {
             values,

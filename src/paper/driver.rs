@@ -90,9 +90,8 @@ fn drive(
 
 /// The table of the paper, and the largest error.
 pub fn errors(rows: &Rows, outcomes: &[Outcome]) -> Vec<Row> {
-    let column = |of: fn(&Outcome) -> Option<f64>| {
-        outcomes.iter().map(|o| of(o).filter(|_| o.finished)).collect::<Vec<_>>()
-    };
+    let column =
+        |of: fn(&Outcome) -> Option<f64>| outcomes.iter().map(|o| of(o).filter(|_| o.finished)).collect::<Vec<_>>();
     [
         rows.of("error_mean", "m/s", &column(|o| o.stats.error_mean)),
         rows.of("error_std", "m/s", &column(|o| o.stats.error_std)),

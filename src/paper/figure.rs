@@ -89,8 +89,11 @@ pub struct Bars<'a> {
     /// Label of the axis of values.
     pub unit: &'a str,
     /// A label and its bars: class and value.
-    pub groups: Vec<(String, Vec<(&'static str, Option<f64>)>)>,
+    pub groups: Vec<(String, Vec<Bar>)>,
 }
+
+/// The class of a bar and its value.
+pub type Bar = (&'static str, Option<f64>);
 
 /// One axis: from values to places in the drawing.
 struct Scale {
@@ -148,7 +151,7 @@ impl Figure {
     pub fn bars(name: &str, bars: &Bars) -> Self {
         const BAR: f64 = 8.0;
         const LABELS: f64 = 170.0;
-        let group_height = |bars: &[(&str, Option<f64>)]| bars.len() as f64 * BAR + 10.0;
+        let group_height = |bars: &[Bar]| bars.len() as f64 * BAR + 10.0;
         let height = TOP + BOTTOM + bars.groups.iter().map(|(_, b)| group_height(b)).sum::<f64>();
         let values = bars.groups.iter().flat_map(|(_, b)| b.iter().filter_map(|(_, value)| *value));
         let x = Scale::new(values.chain([0.0]), LABELS, WIDTH - RIGHT - 40.0, 0.0);
@@ -159,7 +162,10 @@ impl Figure {
             let at = x.at(tick);
             let _ = write!(body, "<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/>");
             let below = bottom + 16.0;
-            let _ = write!(body, "<text class=\"soft\" x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{tick:.digits$}</text>");
+            let _ = write!(
+                body,
+                "<text class=\"soft\" x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{tick:.digits$}</text>"
+            );
         }
         let mut y = TOP;
         for (label, group) in &bars.groups {
@@ -172,11 +178,17 @@ impl Figure {
                     Some(value) => {
                         let width = x.at(*value) - LABELS;
                         let height = BAR - 1.0;
-                        let _ = write!(body, "<rect class=\"bar {class}\" x=\"{LABELS}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height}\"/>");
+                        let _ = write!(
+                            body,
+                            "<rect class=\"bar {class}\" x=\"{LABELS}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height}\"/>"
+                        );
                     }
                     None => {
                         let base = top + BAR;
-                        let _ = write!(body, "<text class=\"cell {class}\" x=\"{LABELS}\" y=\"{base:.1}\">{class}: did not arrive</text>");
+                        let _ = write!(
+                            body,
+                            "<text class=\"cell {class}\" x=\"{LABELS}\" y=\"{base:.1}\">{class}: did not arrive</text>"
+                        );
                     }
                 }
             }
@@ -235,13 +247,19 @@ fn frame(chart: &Chart, x: &Scale, y: &Scale) -> String {
     let mut out = String::new();
     let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
     let (inner_width, inner_height) = (right - LEFT, bottom - TOP);
-    let _ = write!(out, "<rect class=\"plot\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{inner_width}\" height=\"{inner_height}\"/>");
+    let _ = write!(
+        out,
+        "<rect class=\"plot\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{inner_width}\" height=\"{inner_height}\"/>"
+    );
     let (ticks, digits) = x.ticks(10.0);
     for tick in ticks {
         let at = x.at(tick);
         let _ = write!(out, "<line class=\"grid\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{TOP}\" y2=\"{bottom}\"/>");
         let below = bottom + 16.0;
-        let _ = write!(out, "<text class=\"soft\" x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{tick:.digits$}</text>");
+        let _ = write!(
+            out,
+            "<text class=\"soft\" x=\"{at:.1}\" y=\"{below}\" text-anchor=\"middle\">{tick:.digits$}</text>"
+        );
     }
     let (ticks, digits) = y.ticks(6.0);
     for tick in ticks {
@@ -249,14 +267,21 @@ fn frame(chart: &Chart, x: &Scale, y: &Scale) -> String {
         let class = if tick == 0.0 { "axis" } else { "grid" };
         let _ = write!(out, "<line class=\"{class}\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>");
         let (before, base) = (LEFT - 7.0, at + 4.0);
-        let _ = write!(out, "<text class=\"soft\" x=\"{before}\" y=\"{base:.1}\" text-anchor=\"end\">{tick:.digits$}</text>");
+        let _ = write!(
+            out,
+            "<text class=\"soft\" x=\"{before}\" y=\"{base:.1}\" text-anchor=\"end\">{tick:.digits$}</text>"
+        );
     }
     let _ = write!(out, "<line class=\"axis\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{bottom}\" y2=\"{bottom}\"/>");
     let _ = write!(out, "<text class=\"title\" x=\"{LEFT}\" y=\"20\">{}</text>", escape(&chart.title));
     let (middle, low) = (LEFT + 0.5 * inner_width, HEIGHT - 10.0);
     let _ = write!(out, "<text x=\"{middle}\" y=\"{low}\" text-anchor=\"middle\">{}</text>", escape(chart.x));
     let middle = TOP + 0.5 * inner_height;
-    let _ = write!(out, "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>", escape(chart.y));
+    let _ = write!(
+        out,
+        "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        escape(chart.y)
+    );
     out
 }
 

@@ -104,8 +104,7 @@ impl Point {
 pub fn run(lab: &Lab, preset: &Preset, results: &Results) -> Result<Finding, PaperError> {
     use rayon::prelude::*;
     let points = points();
-    let ratios: Vec<f64> =
-        points.par_iter().map(|p| p.measured(lab, preset)).collect::<Result<_, _>>()?;
+    let ratios: Vec<f64> = points.par_iter().map(|p| p.measured(lab, preset)).collect::<Result<_, _>>()?;
     let mut rows = Vec::new();
     for (p, ratio) in points.iter().zip(&ratios) {
         let test = format!(

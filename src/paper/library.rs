@@ -142,9 +142,8 @@ impl Library {
 /// False for a key of the model-free laws that `controller` does not have: it is meant for the others.
 fn concerns(controller: &str, path: &str) -> bool {
     let Some(key) = path.strip_prefix("controller.") else { return true };
-    let has = |name: &str| {
-        find("controller", CONTROLLERS, name).is_ok_and(|entry| entry.keys.iter().any(|k| k.name == key))
-    };
+    let has =
+        |name: &str| find("controller", CONTROLLERS, name).is_ok_and(|entry| entry.keys.iter().any(|k| k.name == key));
     if MODEL_FREE.contains(&controller) { has(controller) || !MODEL_FREE.iter().any(|n| has(n)) } else { false }
 }
 

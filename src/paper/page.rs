@@ -91,7 +91,9 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
     html += &opening(lab, presets);
     html += &glance(presets, results);
     for (test, title, paper, here) in ABOUT {
-        if results.rows.iter().any(|r| family(&r.test) == *test) || found.figures.iter().any(|f| family(&f.name) == *test) {
+        if results.rows.iter().any(|r| family(&r.test) == *test)
+            || found.figures.iter().any(|f| family(&f.name) == *test)
+        {
             let _ = write!(
                 html,
                 "<h2 id=\"{test}\">{title}</h2><blockquote>{}</blockquote><p>{}</p>",
@@ -178,7 +180,8 @@ fn glance(presets: &[&Preset], results: &Results) -> String {
     }
     html += "<tr><td>reproduced</td><td class=\"text\">of all with a published number</td><td></td>";
     for p in presets {
-        let of_preset = || wanted.iter().filter_map(|w| results.get(&w.test, &p.name, w.noise, w.controller, w.quantity));
+        let of_preset =
+            || wanted.iter().filter_map(|w| results.get(&w.test, &p.name, w.noise, w.controller, w.quantity));
         let met = of_preset().filter(|r| results.verdict(r) == Some(Verdict::Reproduced)).count();
         let _ = write!(html, "<td>{met} of {}</td>", of_preset().count());
     }
@@ -216,8 +219,7 @@ fn value(row: &Row) -> String {
 
 /// One test under one preset; the first preset is open.
 fn section(test: &str, preset: &Preset, open: bool, results: &Results, figures: &[Figure]) -> String {
-    let rows: Vec<&Row> =
-        results.rows.iter().filter(|r| family(&r.test) == test && r.preset == preset.name).collect();
+    let rows: Vec<&Row> = results.rows.iter().filter(|r| family(&r.test) == test && r.preset == preset.name).collect();
     if rows.is_empty() {
         return String::new();
     }

@@ -156,7 +156,12 @@ impl Results {
             let _ = writeln!(
                 text,
                 "{:<14}{:<10}{noise} {:<10}{:<13}{value:>8} {:<4}published {:>6}  {verdict}",
-                row.test, row.preset, row.controller, row.quantity, row.unit, published.number(),
+                row.test,
+                row.preset,
+                row.controller,
+                row.quantity,
+                row.unit,
+                published.number(),
             );
         }
         text

@@ -21,7 +21,8 @@ impl Series {
     pub fn all(test: &str, preset: &Preset, drives: &[(&'static str, Vec<Moment>)]) -> Vec<Self> {
         let one = |(controller, moments): &(&'static str, Vec<Moment>)| {
             let name = format!("{}_{test}_{controller}", preset.name);
-            let mut csv = String::from("time_s,distance_m,reference_mps,speed_mps,error_mps,front_wheel_nm,alpha_ratio\n");
+            let mut csv =
+                String::from("time_s,distance_m,reference_mps,speed_mps,error_mps,front_wheel_nm,alpha_ratio\n");
             for m in moments.iter().step_by(moments.len().div_ceil(ROWS).max(1)) {
                 let error = m.speed_mps - m.reference_mps;
                 let _ = writeln!(

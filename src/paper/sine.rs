@@ -70,7 +70,8 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
 
 fn figures(preset: &Preset, drives: &[(&'static str, Vec<Moment>)]) -> Vec<Figure> {
     let title = |what: &str| format!("{what}, sinusoid of position, preset {}", preset.name);
-    let mut speeds = vec![Curve::of("reference", drives[0].1.iter().map(|m| (m.distance_m, m.reference_mps)).collect())];
+    let mut speeds =
+        vec![Curve::of("reference", drives[0].1.iter().map(|m| (m.distance_m, m.reference_mps)).collect())];
     let mut errors = Vec::new();
     for (name, moments) in drives {
         speeds.push(Curve::of(name, moments.iter().map(|m| (m.distance_m, m.speed_mps)).collect()));

@@ -131,14 +131,17 @@ fn numbers(rows: &Rows, drive: &Drive) -> Vec<Row> {
 
 fn figures(preset: &Preset, drives: &[(&'static str, Vec<Moment>)]) -> Vec<Figure> {
     let chart = |what: &str, title: &str, y: &str, of: &dyn Fn(&Moment) -> f64| {
-        let curves = drives.iter().map(|(name, moments)| {
-            Curve::of(name, moments.iter().map(|m| (m.distance_m, of(m))).collect())
-        });
+        let curves = drives
+            .iter()
+            .map(|(name, moments)| Curve::of(name, moments.iter().map(|m| (m.distance_m, of(m))).collect()));
         let reference = drives[0].1.iter().map(|m| (m.distance_m, m.reference_mps)).collect();
         let reference = (what == "speed").then(|| Curve::of("reference", reference));
         let title = format!("{title}, preset {}", preset.name);
         let curves = reference.into_iter().chain(curves).collect();
-        Figure::chart(&format!("{}_step_{what}", preset.name), &Chart { title, x: "distance s [m]", y, curves, ..Chart::default() })
+        Figure::chart(
+            &format!("{}_step_{what}", preset.name),
+            &Chart { title, x: "distance s [m]", y, curves, ..Chart::default() },
+        )
     };
     vec![
         chart("speed", "Speed, steps of position", "speed [m/s]", &|m| m.speed_mps),
