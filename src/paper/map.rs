@@ -17,7 +17,7 @@ use crate::scenario::Override;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -122,7 +122,7 @@ pub fn run(lab: &Lab, preset: &Preset, dir: &Path, grid: &Grid, progress: bool) 
     let jobs = jobs(grid);
     let file = dir.join("map.csv");
     let key = key(lab, preset, grid)?;
-    let part = Part::open(&file, &key)?;
+    let part = Part::open(&file, &key, grid)?;
     let done: BTreeSet<String> = part.cells.iter().map(Cell::job).collect();
     let left: Vec<&Job> = jobs.iter().filter(|job| !done.contains(&job.name())).collect();
     let bar = if progress { ProgressBar::new(left.len() as u64) } else { ProgressBar::hidden() };
@@ -174,7 +174,15 @@ impl Job {
                     let Self { controller, period_s, gain_1, gain_2 } = *self;
                     let (error_rms, overshoot) = (None, None);
                     cells.push(Cell {
-                        controller, period_s, gain_1, gain_2, scale, limit_mps2, delay_s, error_rms, overshoot,
+                        controller,
+                        period_s,
+                        gain_1,
+                        gain_2,
+                        scale,
+                        limit_mps2,
+                        delay_s,
+                        error_rms,
+                        overshoot,
                     });
                 }
             }
@@ -288,6 +296,22 @@ fn key(lab: &Lab, preset: &Preset, grid: &Grid) -> Result<String, PaperError> {
     Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
+/// The cells of all whole jobs in a file. A job or line that was cut off by the end of its program is not taken.
+fn finished(text: &str, grid: &Grid) -> Vec<Cell> {
+    let lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
+    let mut cells: Vec<Cell> = lines.filter_map(|line| Cell::read(line.trim_end())).collect();
+    let mut counts = BTreeMap::new();
+    for cell in &cells {
+        *counts.entry(cell.job()).or_insert(0) += 1;
+    }
+    let whole = |cell: &Cell| {
+        let scales = if cell.controller == "pid" { &grid.factors } else { &grid.scales };
+        scales.len() * grid.limits_mps2.len() * grid.delays_s.len()
+    };
+    cells.retain(|cell| counts[&cell.job()] == whole(cell));
+    cells
+}
+
 /// The file of finished jobs.
 struct Part {
     path: PathBuf,
@@ -297,15 +321,13 @@ struct Part {
 
 impl Part {
     /// Takes over what an earlier call with the same key finished, whole or not.
-    fn open(whole: &Path, key: &str) -> Result<Self, PaperError> {
+    fn open(whole: &Path, key: &str, grid: &Grid) -> Result<Self, PaperError> {
         let path = whole.with_extension("csv.part");
         let mut cells = Vec::new();
         for old in [whole, &path] {
             let Ok(text) = std::fs::read_to_string(old) else { continue };
             if text.starts_with(&format!("# {key}\n")) {
-                // A line that was cut off by the end of its program is not taken.
-                let lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
-                cells = lines.filter_map(|line| Cell::read(line.trim_end())).collect();
+                cells = finished(&text, grid);
             }
         }
         let text: String = cells.iter().map(Cell::line).collect();
