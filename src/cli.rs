@@ -156,12 +156,15 @@ pub struct CheckArgs {
 /// `paper`.
 #[derive(Debug, Args)]
 pub struct PaperArgs {
-    /// step, sine, driver, delay, disturb or all
+    /// step, sine, driver, delay, disturb, map, or all but the map, which takes minutes
     #[arg(default_value = "all", value_name = "TEST")]
     pub test: String,
     /// Folder of the results
     #[arg(short, long, value_name = "DIR", default_value = "out/paper")]
     pub out: PathBuf,
+    /// The map on a coarse grid, to see that it works
+    #[arg(long)]
+    pub coarse: bool,
     /// Only this preset of scenarios/paper/presets
     #[arg(long, value_name = "NAME")]
     pub preset: Option<String>,

@@ -27,7 +27,7 @@ use crate::output::Reason;
 use crate::plant::tyre::TyreError;
 use crate::reference::Target;
 use crate::registry::UnknownName;
-use crate::scenario::{Group, Selector};
+use crate::scenario::{Equipped, Group, Selector};
 use crate::traci::{self, Batch, Client, Domain};
 use book::{EgoKey, Presence};
 use newcomers::TypeBook;
@@ -114,6 +114,8 @@ pub struct WorldSetup {
     pub blocks: Vec<GroupSetup>,
     /// Which vehicles may become egos at all.
     pub egos: Selector,
+    /// What the demand says of `has.mfc.device`.
+    pub equipped: Equipped,
     /// Plant, control period, memory of the reference.
     pub clockwork: Clockwork,
     /// Seed of everything that is drawn per vehicle.
@@ -122,16 +124,22 @@ pub struct WorldSetup {
     pub sigma: Option<f64>,
     /// For the self-check.
     pub fault: Fault,
+    /// True if other clients may be at this SUMO.
+    pub shared: bool,
 }
 
 /// Fleet and SUMO, stepping together.
 pub struct World {
     client: Client,
     batch: Batch,
+    /// The step in a message of its own, if SUMO is shared with other clients: SUMO sends the answers to whatever stands
+    /// before a step in the same message to the client that it serves next.
+    step_apart: Option<Batch>,
     types: TypeBook,
     groups: Vec<Group>,
     tyre_curves: Vec<Option<String>>,
     egos: Selector,
+    equipped: Equipped,
     seed: u64,
     sigma: Option<f64>,
     fault: Fault,
@@ -158,19 +166,31 @@ impl World {
         let reply = client.exchange(&batch).await?;
         state.waiting = reply.get(present)?;
         state.expected = reply.get(expected)?;
+        let mut step = Batch::new();
+        step.step()?;
         Ok(Self {
             client,
             batch,
+            step_apart: setup.shared.then_some(step),
             types: TypeBook::default(),
             groups: setup.groups,
             tyre_curves: setup.tyre_curves,
             egos: setup.egos,
+            equipped: setup.equipped,
             seed: setup.seed,
             sigma: setup.sigma,
             fault: setup.fault,
             newcomers: Vec::new(),
             state,
         })
+    }
+
+    /// The end that SUMO's configuration asks for [s]; negative without one.
+    ///
+    /// # Errors
+    /// If SUMO does not answer.
+    pub async fn end_s(&mut self) -> Result<f64, CosimError> {
+        Ok(self.client.get(traci::simulation::END, "").await?)
     }
 
     /// One SUMO step.
@@ -185,8 +205,18 @@ impl World {
         }
         self.state.advance_leaders();
         let readings = self.compose()?;
-        let reply = self.client.exchange(&self.batch).await?;
-        self.state.absorb(&reply, readings)?;
+        let (answers, stepped) = match &self.step_apart {
+            Some(step) if self.batch.is_empty() => {
+                let reply = self.client.exchange(step).await?;
+                (reply, reply)
+            }
+            Some(step) => self.client.exchange_pipelined(&self.batch, step).await?,
+            None => {
+                let reply = self.client.exchange(&self.batch).await?;
+                (reply, reply)
+            }
+        };
+        self.state.absorb(&answers, &stepped, readings)?;
         if self.state.colliding {
             // Before the records of vehicles that a collision ended.
             self.count_collisions().await?;
@@ -222,7 +252,9 @@ impl World {
             let wanted = if ego.lead.is_some() { &wanted[..] } else { &wanted[..2] };
             self.batch.subscribe(Domain::Vehicle, &ego.id, wanted, state.time_s)?;
         }
-        self.batch.step()?;
+        if self.step_apart.is_none() {
+            self.batch.step()?;
+        }
         Ok(readings)
     }
 

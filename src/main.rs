@@ -58,7 +58,10 @@ fn run(args: &RunArgs) -> miette::Result<ExitCode> {
         progress: !args.quiet && std::io::stderr().is_terminal(),
         profile: args.profile,
     };
-    let result = run::run(&scenario, &options)?;
+    let result = match run::run(&scenario, &options) {
+        Err(RunError::Interrupted(signal)) => return Ok(ExitCode::from(signal.exit_code())),
+        done => done?,
+    };
     if !args.quiet {
         notes(&result.notes);
     }
@@ -114,9 +117,10 @@ fn check(args: &CheckArgs) -> miette::Result<ExitCode> {
 }
 
 fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
-    let PaperArgs { test, out, preset, driver, set } = args;
+    let PaperArgs { test, out, coarse, preset, driver, set } = args;
+    let progress = std::io::stderr().is_terminal();
     let page = out.join("index.html");
-    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets: set })?;
+    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets: set, coarse, progress })?;
     print(&format!("{}{}\n", results.table(), page.display()))
 }
 

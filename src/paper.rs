@@ -7,8 +7,11 @@
 pub mod disturb;
 pub mod driver;
 pub mod figure;
+pub mod heat;
 pub mod law;
 pub mod library;
+pub mod map;
+pub mod map_page;
 pub mod page;
 pub mod results;
 pub mod series;
@@ -97,6 +100,10 @@ pub struct Request {
     pub driver: Option<PathBuf>,
     /// Changes to the scenarios.
     pub sets: Vec<Override>,
+    /// The map on a coarse grid.
+    pub coarse: bool,
+    /// Show a progress bar while the map is computed.
+    pub progress: bool,
 }
 
 /// Why there is no result.
@@ -156,6 +163,7 @@ impl PaperError {
 pub fn run(request: &Request) -> Result<Results, PaperError> {
     let tests: Vec<&Entry<Run>> = match request.test.as_str() {
         "all" => TESTS.iter().collect(),
+        "map" => Vec::new(),
         name => vec![find("test", TESTS, name)?],
     };
     let library = Library::open(&request.out_dir.join("scenarios"), &request.sets)?;
@@ -176,7 +184,20 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
         let results = Results { rows: whole.rows.clone() };
         whole.extend(law::run(&lab, presets[0], &results)?);
     }
+    if request.test == "map" {
+        whole.extend(map(request, &lab, presets[0])?);
+    }
     write_all(request, &lab, &presets, whole)
+}
+
+/// The map around a preset.
+fn map(request: &Request, lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
+    let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
+    let map = map::run(lab, preset, &request.out_dir, &grid, request.progress)?;
+    let scenario = lab.library.scenario("step", preset, "adaptive", &[])?;
+    let values = &scenario.groups[0].controller.values;
+    let mark = [scenario.control_period_s, values.number("k_p"), values.number("accel_per_unit_mps2")];
+    Ok(map.finding(&preset.name, mark))
 }
 
 fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) -> Result<Results, PaperError> {

@@ -30,6 +30,10 @@ pub use setup::world;
 const PATIENCE: Duration = Duration::from_secs(600);
 /// How long SUMO may take to complete its outputs.
 const LAST_OUTPUTS: Duration = Duration::from_secs(120);
+/// How long to look for a SUMO that is said to run already.
+const REACH: Duration = Duration::from_secs(10);
+/// How long a step that is under way may take after a signal; SUMO may be waiting for another client.
+const LAST_STEP: Duration = Duration::from_secs(3);
 /// A configuration without an end runs this long if nobody ever arrives [s].
 const ENDLESS_S: f64 = 3600.0;
 
@@ -211,14 +215,12 @@ impl<'a> Run<'a> {
             Ok(reached) => reached,
             Err(error) => return Err(self.give_up(error)),
         };
-        match self.drive(client, &mut process).await {
-            Ok((state, writers)) => {
-                if let Some(process) = process {
-                    process.shut_down(LAST_OUTPUTS).await?;
-                }
-                self.write(state, writers, None)
+        match self.prepare(client).await {
+            Ok((world, writers)) => self.drive(world, writers, process).await,
+            Err(error) => {
+                let error = explain(error, &mut process).await;
+                Err(self.give_up(error))
             }
-            Err(error) => Err(error),
         }
     }
 
@@ -226,7 +228,7 @@ impl<'a> Run<'a> {
     async fn reach_sumo(&mut self) -> Result<(Option<SumoProcess>, Client), RunError> {
         let sumo = &self.scenario.sumo;
         if let Some(address) = &sumo.connect {
-            let mut client = Client::connect(address.clone(), PATIENCE).await?;
+            let mut client = Client::join(address.clone(), REACH, PATIENCE).await?;
             client.set_order(1).await?;
             return Ok((None, client));
         }
@@ -247,45 +249,62 @@ impl<'a> Run<'a> {
         Ok((Some(process), client))
     }
 
-    /// Steps to the end and hands the vehicles back. On an error the result is written as it is, marked incomplete.
-    async fn drive(
-        &mut self,
-        mut client: Client,
-        process: &mut Option<SumoProcess>,
-    ) -> Result<(State, Writers), RunError> {
+    /// Joins SUMO and opens the files.
+    async fn prepare(&mut self, client: Client) -> Result<(World, Writers), RunError> {
         self.manifest.sumo_version = Some(client.version().text.clone());
         self.manifest.sumo_api = Some(client.version().api);
-        let end_s = match self.scenario.sumo.end_s {
-            Some(end_s) => Some(end_s),
-            None => Some(client.get(traci::simulation::END, "").await?).filter(|end| *end >= 0.0),
-        };
-        let setup = setup::world(self.scenario)?;
-        let mut world = World::join(client, setup).await?;
+        let world = World::join(client, setup::world(self.scenario)?).await?;
         self.begin_s = world.state.time_s;
-        let mut writers = Writers::open(self.scenario, &self.dir, &world.state)?;
-        let progress = Progress::new(self.options.progress, self.begin_s, end_s);
-        self.profiler.begin(&mut world);
-        let stepped = self.step_to(&mut world, &mut writers, end_s, &progress).await;
+        let writers = Writers::open(self.scenario, &self.dir, &world.state)?;
+        Ok((world, writers))
+    }
+
+    /// Steps to the end, hands the vehicles back and writes the result; on an error as it is, marked incomplete.
+    async fn drive(
+        &mut self,
+        mut world: World,
+        mut writers: Writers,
+        mut process: Option<SumoProcess>,
+    ) -> Result<RunResult, RunError> {
+        let stepped = self.step_to_end(&mut world, &mut writers).await;
         self.profile = self.profiler.profile(&world);
-        progress.close();
         let closed = match stepped {
             Ok(()) => world.hand_back().await.map_err(RunError::from),
             Err(error) => Err(error),
         };
         match closed {
-            Ok(()) => Ok((world.close().await?, writers)),
+            Ok(()) => {
+                let state = world.close().await?;
+                if let Some(process) = process {
+                    process.shut_down(LAST_OUTPUTS).await?;
+                }
+                self.write(state, writers, None)
+            }
             Err(error) => {
-                let source = match (error, process) {
-                    (RunError::Cosim(CosimError::Traci(error)), Some(process)) => process.explain(error).await.into(),
-                    (error, _) => error,
-                };
+                let source = explain(error, &mut process).await;
                 let time_s = world.state.time_s;
                 let dir = self.dir.path().to_owned();
                 world.state.end_all(crate::output::Reason::Incomplete);
-                self.write(world.into_state(), writers, Some(source.to_string()))?;
+                // A disk that is full for one file may be full for others; the first error is the one to tell.
+                let _ = self.write(world.into_state(), writers, Some(source.to_string()));
+                if let RunError::Interrupted(_) = source {
+                    return Err(source);
+                }
                 Err(RunError::Broken { time_s, dir, source: Box::new(source) })
             }
         }
+    }
+
+    async fn step_to_end(&mut self, world: &mut World, writers: &mut Writers) -> Result<(), RunError> {
+        let end_s = match self.scenario.sumo.end_s {
+            Some(end_s) => Some(end_s),
+            None => Some(world.end_s().await?).filter(|end_s| *end_s >= 0.0),
+        };
+        let progress = Progress::new(self.options.progress, self.begin_s, end_s);
+        self.profiler.begin(world);
+        let stepped = self.step_to(world, writers, end_s, &progress).await;
+        progress.close();
+        stepped
     }
 
     async fn step_to(
@@ -296,6 +315,7 @@ impl<'a> Run<'a> {
         progress: &Progress,
     ) -> Result<(), RunError> {
         let half_step_s = 0.5 * world.state.step_s;
+        let signal = self.signal.clone();
         loop {
             let time_s = world.state.time_s;
             if self.signal.load(Ordering::Relaxed) != 0 || end_s.is_some_and(|end_s| time_s > end_s - half_step_s) {
@@ -311,7 +331,10 @@ impl<'a> Run<'a> {
                 ));
                 return Ok(());
             }
-            world.step().await?;
+            tokio::select! {
+                stepped = world.step() => stepped?,
+                () = overdue(&signal) => return Err(RunError::Interrupted(self.signal().unwrap_or(Signal::Interrupt))),
+            }
             self.profiler.stepped(world);
             writers.step(&mut world.state)?;
             progress.show(&world.state);
@@ -327,8 +350,15 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Writes the result: tables, summary, manifest.
+    /// Writes the result: tables, summary, manifest. If that fails, the manifest says so as long as it can be written.
     fn write(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
+        self.write_files(state, writers, broken.clone()).map_err(|error| {
+            let _ = self.dir.finish(&mut self.manifest, Some(broken.unwrap_or_else(|| error.to_string())));
+            error
+        })
+    }
+
+    fn write_files(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
         let interrupted = self.signal();
         let reason = broken.or(interrupted.map(|s| format!("ended by a signal ({s:?})")));
         self.notes.extend(outcome::notes(&state));
@@ -338,8 +368,9 @@ impl<'a> Run<'a> {
         let mut outcome = outcome::Outcome::new(self.scenario, state, own_sumo, reason.is_some())?;
         let wall_s = self.started.elapsed().as_secs_f64();
         let summary = outcome.summary(simulated_s, wall_s);
-        writers.finish(&self.dir, self.scenario, &mut outcome)?;
+        let tables = writers.finish(&self.dir, self.scenario, &mut outcome);
         self.dir.write_summary(&summary)?;
+        tables?;
         self.dir.finish(&mut self.manifest, reason)?;
         Ok(RunResult {
             dir: self.dir.path().to_owned(),
@@ -373,6 +404,20 @@ fn watch_signals(raised: Arc<AtomicU8>) -> std::io::Result<()> {
         raised.store(number, Ordering::Relaxed);
     });
     Ok(())
+}
+
+/// More of an error of the connection: what SUMO said last, if it is ours and has ended.
+async fn explain(error: RunError, process: &mut Option<SumoProcess>) -> RunError {
+    match (error, process) {
+        (RunError::Cosim(CosimError::Traci(error)), Some(process)) => process.explain(error).await.into(),
+        (error, _) => error,
+    }
+}
+
+/// Waits for a signal and then for as long as a step may take to end in order.
+async fn overdue(signal: &AtomicU8) {
+    raised(signal).await;
+    tokio::time::sleep(LAST_STEP).await;
 }
 
 /// Waits for a signal.

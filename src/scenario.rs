@@ -7,6 +7,7 @@
 mod catalog;
 mod demand;
 mod document;
+mod equipped;
 mod error;
 mod load;
 mod print;
@@ -21,6 +22,7 @@ use std::path::PathBuf;
 
 pub use catalog::{Catalog, Named, Options};
 pub use document::Override;
+pub use equipped::Equipped;
 pub use error::{Place, ScenarioError};
 pub use load::Request;
 pub use print::template;

@@ -56,6 +56,8 @@ pub struct Ego {
     pub prefix: Prefix,
     /// On the road or not.
     pub presence: Presence,
+    /// True once SUMO has teleported it.
+    pub teleported: bool,
     /// SUMO's odometer minus the plant's when the ego was admitted [m].
     pub odometer_offset_m: f64,
     /// The plant's odometer at the end of SUMO's last step; a leading plant is one step ahead of it [m].

@@ -10,7 +10,7 @@ use super::{CosimError, World};
 use crate::random::Stream;
 use crate::reference::Target;
 use crate::scenario::EgoInfo;
-use crate::traci::{Batch, Handle, Prefix, Reply, vehicle, vehicletype};
+use crate::traci::{Batch, BatchError, Handle, Prefix, Reply, vehicle, vehicletype};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -25,7 +25,6 @@ struct Questions {
     type_id: Handle<String>,
     speed: Handle<f64>,
     odometer: Handle<f64>,
-    equipped: Handle<String>,
     parameters: Vec<(usize, Handle<String>)>,
     sigma: Option<Handle<f64>>,
     lead: Option<LeadQuestions>,
@@ -39,6 +38,19 @@ struct LeadQuestions {
     lane: Handle<String>,
 }
 
+/// Where the answers about one vType will be.
+struct TypeQuestions {
+    id: String,
+    class: Handle<String>,
+    length: Handle<f64>,
+    accel: Handle<f64>,
+    emergency_decel: Handle<f64>,
+    mass: Handle<f64>,
+    equipped: Handle<String>,
+    probability: Handle<String>,
+    parameters: Vec<(usize, Handle<String>)>,
+}
+
 /// The answers about one vehicle.
 struct Facts {
     id: String,
@@ -47,7 +59,6 @@ struct Facts {
     /// `None` while SUMO carries it.
     speed_mps: Option<f64>,
     odometer_m: f64,
-    equipped: Option<bool>,
     parameters: Vec<(usize, String)>,
     sigma: Option<f64>,
     lead: Option<(Before, String)>,
@@ -72,8 +83,9 @@ impl World {
         let leads = self.state.targets.iter().any(|t| !matches!(t, Target::Traffic));
         let mut asked = Vec::with_capacity(self.state.waiting.len());
         for id in std::mem::take(&mut self.state.waiting) {
-            match Prefix::new(&id) {
-                Ok(prefix) => asked.push(ask_vehicle(&mut self.batch, id, prefix, leads, self.sigma.is_some())?),
+            match ask_vehicle(&mut self.batch, &id, leads, self.sigma.is_some()) {
+                Ok(questions) => asked.push(questions),
+                // Too long an id; what was asked of it so far is answered and left unread.
                 Err(error) => self.state.refused.push((id, error.to_string())),
             }
         }
@@ -96,32 +108,13 @@ impl World {
         let batch = &mut self.batch;
         let mut asked = Vec::new();
         for id in unknown {
-            let class = batch.get(vehicletype::CLASS, id)?;
-            let numbers = [
-                batch.get(vehicletype::LENGTH, id)?,
-                batch.get(vehicletype::ACCEL, id)?,
-                batch.get(vehicletype::EMERGENCY_DECEL, id)?,
-                batch.get(vehicletype::MASS, id)?,
-            ];
-            let equipped = batch.get_with(vehicletype::PARAMETER, id, "has.mfc.device")?;
-            let probability = batch.get_with(vehicletype::PARAMETER, id, "device.mfc.probability")?;
-            let parameters = ask_parameters(|name| batch.get_with(vehicletype::PARAMETER, id, name))?;
-            asked.push((id.to_owned(), class, numbers, equipped, probability, parameters));
+            // Too long an id: its vehicles are refused.
+            asked.extend(ask_type(batch, id));
         }
         let reply = self.client.exchange(&self.batch).await?;
-        for (id, class, [length, accel, emergency_decel, mass], equipped, probability, parameters) in asked {
-            let facts = TypeFacts {
-                class: reply.get(class)?,
-                length_m: reply.get(length)?,
-                // Older SUMO knows no mass; then the preset's stands.
-                mass_kg: reply.get(mass).ok(),
-                accel_mps2: reply.get(accel)?,
-                emergency_decel_mps2: reply.get(emergency_decel)?,
-                parameters: answers_of(&reply, &parameters),
-                equipped: reply.get(equipped).ok().and_then(|text| text.parse().ok()),
-                probability: reply.get(probability).ok().and_then(|text| text.parse().ok()),
-            };
-            self.types.0.insert(id, facts);
+        for questions in asked {
+            let facts = questions.answers(&reply)?;
+            self.types.0.insert(questions.id, facts);
         }
         Ok(())
     }
@@ -132,13 +125,16 @@ impl World {
             self.state.waiting.push(vehicle.id);
             return Ok(());
         };
-        let facts = &self.types.0[&vehicle.type_id];
+        let Some(facts) = self.types.0.get(&vehicle.type_id) else {
+            self.state.refused.push((vehicle.id, "the id of its vType is too long".to_owned()));
+            return Ok(());
+        };
         if preset_of_class(&facts.class).is_none() {
             *self.state.others.entry(facts.class.clone()).or_default() += 1;
             return Ok(());
         }
         let drawn = |share: f64| Stream::new(self.seed, "device.mfc", &vehicle.id).uniform() < share;
-        let param = vehicle.equipped.or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
+        let param = self.equipped.of(&vehicle.id).or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
         let info = EgoInfo { id: &vehicle.id, type_id: &vehicle.type_id, class: &facts.class, param };
         let matched = self.groups.iter().position(|g| g.select.matches(&info, self.seed));
         let Some(group) = matched.filter(|_| self.egos.matches(&info, self.seed)) else {
@@ -169,6 +165,7 @@ impl World {
             depart_s: state.time_s - if state.has_stepped() { state.step_s } else { 0.0 },
             prefix: vehicle.prefix,
             presence: Presence::Driving,
+            teleported: false,
             odometer_offset_m: vehicle.odometer_m,
             distance_m: 0.0,
             odometer_gap_m: None,
@@ -183,34 +180,42 @@ impl World {
     }
 }
 
-fn ask_vehicle(
-    batch: &mut Batch,
-    id: String,
-    prefix: Prefix,
-    leads: bool,
-    sigma: bool,
-) -> Result<Questions, CosimError> {
+fn ask_vehicle(batch: &mut Batch, id: &str, leads: bool, sigma: bool) -> Result<Questions, BatchError> {
+    let prefix = Prefix::new(id)?;
     let lead = if leads {
         Some(LeadQuestions {
-            speed_factor: batch.get(vehicle::SPEED_FACTOR, &id)?,
-            accel: batch.get(vehicle::ACCEL, &id)?,
-            decel: batch.get(vehicle::DECEL, &id)?,
-            speed_mode: batch.get(vehicle::SPEED_MODE, &id)?,
-            lane: batch.get(vehicle::LANE, &id)?,
+            speed_factor: batch.get(vehicle::SPEED_FACTOR, id)?,
+            accel: batch.get(vehicle::ACCEL, id)?,
+            decel: batch.get(vehicle::DECEL, id)?,
+            speed_mode: batch.get(vehicle::SPEED_MODE, id)?,
+            lane: batch.get(vehicle::LANE, id)?,
         })
     } else {
         None
     };
     Ok(Questions {
-        type_id: batch.get(vehicle::TYPE, &id)?,
-        speed: batch.get(vehicle::SPEED, &id)?,
-        odometer: batch.get(vehicle::DISTANCE, &id)?,
-        equipped: batch.get_with(vehicle::PARAMETER, &id, "has.mfc.device")?,
-        parameters: ask_parameters(|name| batch.get_with(vehicle::PARAMETER, &id, name))?,
-        sigma: if sigma { Some(batch.get(vehicle::IMPERFECTION, &id)?) } else { None },
+        type_id: batch.get(vehicle::TYPE, id)?,
+        speed: batch.get(vehicle::SPEED, id)?,
+        odometer: batch.get(vehicle::DISTANCE, id)?,
+        parameters: ask_parameters(|name| batch.get_with(vehicle::PARAMETER, id, name))?,
+        sigma: if sigma { Some(batch.get(vehicle::IMPERFECTION, id)?) } else { None },
         lead,
-        id,
+        id: id.to_owned(),
         prefix,
+    })
+}
+
+fn ask_type(batch: &mut Batch, id: &str) -> Result<TypeQuestions, BatchError> {
+    Ok(TypeQuestions {
+        id: id.to_owned(),
+        class: batch.get(vehicletype::CLASS, id)?,
+        length: batch.get(vehicletype::LENGTH, id)?,
+        accel: batch.get(vehicletype::ACCEL, id)?,
+        emergency_decel: batch.get(vehicletype::EMERGENCY_DECEL, id)?,
+        mass: batch.get(vehicletype::MASS, id)?,
+        equipped: batch.get_with(vehicletype::PARAMETER, id, "has.mfc.device")?,
+        probability: batch.get_with(vehicletype::PARAMETER, id, "device.mfc.probability")?,
+        parameters: ask_parameters(|name| batch.get_with(vehicletype::PARAMETER, id, name))?,
     })
 }
 
@@ -231,6 +236,22 @@ fn answers_of(reply: &Reply<'_>, asked: &[(usize, Handle<String>)]) -> Vec<(usiz
     given.filter(|(_, text)| !text.is_empty()).collect()
 }
 
+impl TypeQuestions {
+    fn answers(&self, reply: &Reply<'_>) -> Result<TypeFacts, CosimError> {
+        Ok(TypeFacts {
+            class: reply.get(self.class)?,
+            length_m: reply.get(self.length)?,
+            // Older SUMO knows no mass; then the preset's stands.
+            mass_kg: reply.get(self.mass).ok(),
+            accel_mps2: reply.get(self.accel)?,
+            emergency_decel_mps2: reply.get(self.emergency_decel)?,
+            parameters: answers_of(reply, &self.parameters),
+            equipped: reply.get(self.equipped).ok().and_then(|text| text.parse().ok()),
+            probability: reply.get(self.probability).ok().and_then(|text| text.parse().ok()),
+        })
+    }
+}
+
 impl Questions {
     /// `None` if the vehicle has left in the meantime.
     fn answers(self, reply: &Reply<'_>) -> Option<Facts> {
@@ -247,8 +268,6 @@ impl Questions {
             type_id: reply.get(self.type_id).ok()?,
             speed_mps: reply.get(self.speed).ok(),
             odometer_m: reply.get(self.odometer).unwrap_or(0.0),
-            // SUMO answers "false" for every device that it does not know itself.
-            equipped: reply.get(self.equipped).ok().filter(|text| text == "true").map(|_| true),
             parameters: answers_of(reply, &self.parameters),
             sigma: self.sigma.and_then(|sigma| reply.get(sigma).ok()),
             lead,

@@ -183,16 +183,21 @@ impl State {
         self.step.is_multiple_of(self.read_every)
     }
 
-    /// Reads the reply to a step.
-    pub(super) fn absorb(&mut self, reply: &Reply<'_>, readings: Option<usize>) -> Result<(), CosimError> {
+    /// Reads the answers to the message of a step, and the reply to the step itself.
+    pub(super) fn absorb(
+        &mut self,
+        answers: &Reply<'_>,
+        stepped: &Reply<'_>,
+        readings: Option<usize>,
+    ) -> Result<(), CosimError> {
         if let Some(first) = readings {
-            self.take_readings(reply, first);
+            self.take_readings(answers, first);
         }
         self.step += 1;
         self.book.rewind();
         self.lost.clear();
         self.colliding = false;
-        for block in reply.blocks() {
+        for block in stepped.blocks() {
             let block = block?;
             match block.domain {
                 Some(Domain::Simulation) => self.see_simulation(&block)?,
@@ -292,13 +297,22 @@ impl State {
         self.departed += self.came.len() as u64;
         self.arrived += self.left.len() as u64;
         self.teleports += self.carried.len() as u64;
+        for key in self.carried.iter().filter_map(|id| self.book.find(id)).collect::<Vec<_>>() {
+            self.book[key].teleported = true;
+        }
         for id in std::mem::take(&mut self.left) {
             // A vehicle can depart and arrive within one step; it never had a body.
             self.waiting.retain(|w| *w != id);
             self.came.retain(|c| *c != id);
             if let Some(key) = self.book.find(&id) {
-                let carried = self.book[key].presence == Presence::Teleporting;
-                self.end(key, if carried { Reason::TeleportedOut } else { Reason::Arrived });
+                let ego = &self.book[key];
+                let reason = match ego.presence {
+                    Presence::Driving => Reason::Arrived,
+                    Presence::Teleporting if ego.teleported => Reason::TeleportedOut,
+                    // Off the road, and not by a teleport: somebody (a calibrator, say) took it out.
+                    Presence::Teleporting => Reason::Removed,
+                };
+                self.end(key, reason);
             }
         }
         for id in std::mem::take(&mut self.carried) {

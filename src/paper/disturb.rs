@@ -11,7 +11,7 @@ use crate::fleet::block::Block;
 use crate::plant::Body;
 
 /// Length of the test [m].
-const LENGTH_M: f64 = 1000.0;
+const LENGTH_M: f64 = 600.0;
 /// Where the disturbance sets in [m].
 const FROM_M: f64 = 200.0;
 /// Seeds of the noise, per disturbance.

@@ -9,8 +9,8 @@ const LEFT: f64 = 64.0;
 const RIGHT: f64 = 16.0;
 const TOP: f64 = 56.0;
 const BOTTOM: f64 = 46.0;
-/// A curve has at most this many corners: two per unit of width.
-const COLUMNS: usize = 700;
+/// A curve has at most two corners per bunch of points, and this many bunches.
+const COLUMNS: usize = 300;
 
 /// The colours and strokes of all figures. Orange and blue stay apart for every kind of colour vision.
 pub const STYLE: &str = "\
@@ -323,7 +323,7 @@ fn draw(out: &mut String, curve: &Curve, x: &Scale, y: &Scale) {
 /// The points of a curve that can be told apart: of each bunch of neighbours the lowest and the highest, in their order.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let bunch = points.len().div_ceil(COLUMNS);
-    if bunch <= 2 {
+    if bunch <= 1 {
         return points.to_vec();
     }
     let extremes = points.chunks(bunch).flat_map(|chunk| {

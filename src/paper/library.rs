@@ -111,7 +111,8 @@ impl Library {
         Ok(Preset { name, title: text("title"), why: text("why"), cycles, settings })
     }
 
-    /// The scenario of a test under a preset with a controller; `more` comes before the command line's own settings.
+    /// The scenario of a test under a preset with a controller; `more`, meant for just this
+    /// controller, comes before the command line's own settings.
     ///
     /// # Errors
     /// [`PaperError`] if a file is not a fragment or the whole not a scenario.
@@ -129,9 +130,11 @@ impl Library {
         }
         let [vehicle, test] = <[_; 2]>::try_from(settings).expect("two files were read");
         let chosen = Override::text("controller", "controller.name", controller);
-        let all = vehicle.iter().chain(&preset.settings).chain(&test).chain(more).chain(&self.sets);
-        let mine = all.filter(|given| concerns(controller, &given.path)).cloned();
-        let overrides = std::iter::once(chosen).chain(mine).collect();
+        let mine = |settings: &[Override]| -> Vec<Override> {
+            settings.iter().filter(|given| concerns(controller, &given.path)).cloned().collect()
+        };
+        let files = [vehicle, preset.settings.clone(), test].concat();
+        let overrides = [vec![chosen], mine(&files), more.to_vec(), mine(&self.sets)].concat();
         Ok(Scenario::load_offline(&Request { scenario: None, overrides }, &Catalog::installed())?)
     }
 }

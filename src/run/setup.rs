@@ -9,7 +9,7 @@ use crate::plant::PLANTS;
 use crate::plant::tyre::{identify, read_curve};
 use crate::reference::TARGETS;
 use crate::registry::find;
-use crate::scenario::{Group, Scenario};
+use crate::scenario::{Equipped, Group, Scenario};
 use std::path::{Path, PathBuf};
 
 /// The world of a scenario.
@@ -29,10 +29,12 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         blocks: blocks.collect::<Result<_, RunError>>()?,
         groups: scenario.groups.clone(),
         egos: scenario.egos.clone(),
+        equipped: Equipped::of_scenario(scenario),
         clockwork: clockwork(scenario)?,
         seed: scenario.sumo.seed,
         sigma: scenario.traffic.sigma,
         fault: Fault::None,
+        shared: scenario.sumo.connect.is_some() || scenario.sumo.num_clients > 1,
     })
 }
 

@@ -68,15 +68,14 @@ impl Writers {
         Ok(())
     }
 
-    /// Completes all tables.
+    /// Completes all tables that can be completed; the first error is the one to tell.
     pub fn finish(self, dir: &ResultDir, scenario: &Scenario, outcome: &mut Outcome) -> Result<(), RunError> {
-        if let Some((trace, ..)) = self.trace {
-            trace.finish()?;
-        }
-        self.sampler.finish()?;
         sort_vehicles(&mut outcome.rows);
-        write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows)?;
-        write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges.rows())?;
+        let vehicles = write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows);
+        let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges.rows());
+        let trace = self.trace.map_or(Ok(()), |(trace, ..)| trace.finish().map(drop));
+        let sample = self.sampler.finish().map(drop);
+        vehicles.map(drop).and(edges.map(drop)).and(trace).and(sample)?;
         Ok(())
     }
 }

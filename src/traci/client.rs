@@ -84,11 +84,23 @@ impl Client {
     /// [`Error::Connect`] if nobody listens, [`Error::Disconnected`] if SUMO ends while loading, [`Error::TooOld`],
     /// [`Error::Timeout`].
     pub async fn connect(address: impl ToSocketAddrs + fmt::Display, limit: Duration) -> Result<Self, Error> {
-        let deadline = Instant::now() + limit;
+        Self::join(address, limit, limit).await
+    }
+
+    /// Like [`Client::connect`], but only as long as `reach` for somebody to listen at all: to a SUMO that should run.
+    ///
+    /// # Errors
+    /// As [`Client::connect`].
+    pub async fn join(
+        address: impl ToSocketAddrs + fmt::Display,
+        reach: Duration,
+        limit: Duration,
+    ) -> Result<Self, Error> {
+        let begun = Instant::now();
         loop {
-            match timeout(limit, TcpStream::connect(&address)).await {
-                Ok(Ok(stream)) => return Self::greet(stream, deadline, limit).await,
-                Ok(Err(_)) if Instant::now() < deadline => sleep(RETRY).await,
+            match timeout(reach, TcpStream::connect(&address)).await {
+                Ok(Ok(stream)) => return Self::greet(stream, begun + limit, limit).await,
+                Ok(Err(_)) if begun.elapsed() < reach => sleep(RETRY).await,
                 Ok(Err(source)) => return Err(Error::Connect { address: address.to_string(), source }),
                 Err(_) => return Err(Error::Timeout { after: limit }),
             }

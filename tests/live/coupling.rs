@@ -3,7 +3,7 @@
 use crate::support::{CAR, NEW, OLD, Row, attribute, elements, number, own, plain_sumo, run, straight_road};
 use std::path::Path;
 
-const DEMAND: &str = r#"<vehicle id="ego" type="car" depart="0"><route edges="ab bc"/></vehicle>"#;
+const DEMAND: &str = r#"<vehicle id="ego" type="car" depart="0" departSpeed="0"><route edges="ab bc"/></vehicle>"#;
 
 /// When plain SUMO drives faster than 18 m/s: the end of the first step with such a speed [s].
 fn plain_time_s(version: &str, config: &Path, step: &str) -> f64 {

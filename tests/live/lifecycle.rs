@@ -1,1 +1,251 @@
-//! lifecycle
+//! Vehicles come and go in all the ways that SUMO knows, and every departure has exactly one row.
+
+use crate::support::{CAR, NEW, OLD, Outcome, Row, configuration, network, number, own, plain_sumo, repository, run, straight_road};
+use std::fs;
+
+/// A run on the straight road.
+fn on_the_road(version: &str, demand: &str, args: &[&str]) -> Outcome {
+    let folder = tempfile::tempdir().unwrap();
+    let config = straight_road(folder.path(), &format!("{CAR}{demand}"));
+    run(version, &config, args)
+}
+
+fn arrived(row: &Row) -> bool {
+    row["complete"] == "true" && row["reason"] == "arrived"
+}
+
+#[test]
+fn teleports_keep_the_vehicle_and_its_record() {
+    for version in [NEW, OLD] {
+        let result = run(version, &own("light"), &["--", "--time-to-teleport", "10"]);
+        assert_eq!(result.sumo("teleports"), 1.0, "SUMO {version}");
+        let row = result.vehicle("ego");
+        assert!(arrived(&row), "SUMO {version}: {row:?}");
+        assert!(number(&row, "arrival") < 120.0, "SUMO {version}: it did not wait for green");
+        assert!(number(&row, "error_max_abs") < 0.3, "SUMO {version}: being carried is no error: {row:?}");
+        // SUMO counts the metres over which it carried the car, the body did not drive them.
+        assert!((0.0..10.0).contains(&number(&row, "odometer_gap")), "SUMO {version}: {row:?}");
+    }
+}
+
+#[test]
+fn stops_and_parking_are_kept_to() {
+    let ways = ["", r#" parking="true""#];
+    for version in [NEW, OLD] {
+        for parking in ways {
+            let demand = format!(
+                r#"<vehicle id="ego" type="car" depart="0"><route edges="ab bc"/><stop lane="ab_0" startPos="490" endPos="500" duration="100"{parking}/></vehicle>"#
+            );
+            let result = on_the_road(version, &demand, &["--trace", "all"]);
+            let row = result.vehicle("ego");
+            assert!(arrived(&row), "SUMO {version}{parking}: {row:?}");
+            assert!(number(&row, "duration") > 200.0, "SUMO {version}{parking}: {row:?}");
+            assert!(number(&row, "odometer_gap").abs() < 0.1, "SUMO {version}{parking}: {row:?}");
+            let trace = result.table("trace.csv");
+            let standing = trace.iter().filter(|r| (60.0..120.0).contains(&number(r, "time")));
+            assert!(standing.clone().count() > 500);
+            for row in standing {
+                assert_eq!(number(row, "speed"), 0.0, "SUMO {version}{parking} at {} s", row["time"]);
+            }
+        }
+    }
+}
+
+#[test]
+fn routes_of_one_step_have_a_row() {
+    let mut demand = String::new();
+    for index in 0..5 {
+        let place = 990 + 2 * index;
+        demand += &format!(
+            r#"<vehicle id="short{index}" type="car" depart="{}" departPos="{place}" departSpeed="max" arrivalPos="{}"><route edges="ab"/></vehicle>"#,
+            20 * index,
+            place + 1,
+        );
+    }
+    for version in [NEW, OLD] {
+        for step in ["0.1", "1"] {
+            let result = on_the_road(version, &demand, &["--step-length", step]);
+            let rows = result.vehicles();
+            assert_eq!(rows.len() as f64, result.sumo("inserted"), "SUMO {version}, step {step}");
+            assert_eq!(rows.iter().filter(|r| arrived(r)).count() as f64, result.sumo("arrived"), "SUMO {version}, {step}");
+            assert_eq!(rows.len(), 5);
+        }
+    }
+}
+
+#[test]
+fn ids_of_any_alphabet_and_length() {
+    let too_long = ["x".repeat(175), "x".repeat(230)];
+    let names = ["Größe-Ω-車", "a.b-c_d#1(e)", &"y".repeat(160)];
+    let mut demand = String::new();
+    for (index, name) in names.iter().copied().chain(too_long.iter().map(String::as_str)).enumerate() {
+        demand += &format!(r#"<vehicle id="{name}" type="car" depart="{}"><route edges="ab bc"/></vehicle>"#, 5 * index);
+    }
+    for version in [NEW, OLD] {
+        let result = on_the_road(version, &demand, &["--step-length", "1"]);
+        let rows = result.vehicles();
+        let found: Vec<&str> = rows.iter().map(|row| row["id"].as_str()).collect();
+        assert_eq!(found, names, "SUMO {version}");
+        assert!(rows.iter().all(arrived), "SUMO {version}: {rows:?}");
+        // Longer ones could end SUMO: they stay its own, and the user is told.
+        assert_eq!(result.json("summary.json")["counts"]["refused"], 2);
+        assert!(result.ended.stderr.contains("2 vehicles cannot be egos"), "{}", result.ended.stderr);
+        assert_eq!(result.sumo("arrived"), 5.0, "SUMO {version}");
+    }
+}
+
+#[test]
+fn vehicles_that_were_there_before_are_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let demand = r#"<vehicle id="early" type="car" depart="0"><route edges="ab bc"/></vehicle>
+        <vehicle id="late" type="car" depart="40"><route edges="ab bc"/></vehicle>"#;
+    let config = straight_road(folder.path(), &format!("{CAR}{demand}"));
+    for version in [NEW, OLD] {
+        let state = folder.path().join(format!("state-{version}.xml"));
+        let text = |path: &std::path::Path| path.to_str().unwrap().to_owned();
+        let mut args = vec!["-c".to_owned(), text(&config), "--save-state.times".into(), "30".into()];
+        args.extend(["--save-state.files".into(), text(&state), "--end".into(), "31".into()]);
+        args.extend(["--step-length", "0.1", "--step-method.ballistic", "true"].map(String::from));
+        plain_sumo(version, &args);
+        let result = run(version, &config, &["--", "--load-state", &text(&state), "--begin", "30"]);
+        let rows = result.vehicles();
+        assert_eq!(rows.len(), 2, "SUMO {version}: {rows:?}");
+        assert!(rows.iter().all(arrived), "SUMO {version}: {rows:?}");
+        let early = result.vehicle("early");
+        assert!(number(&early, "distance") < 1600.0, "SUMO {version}: our part of its way is {} m", early["distance"]);
+        assert!(number(&early, "odometer_gap").abs() < 0.1, "SUMO {version}: {early:?}");
+        assert!(number(&early, "error_max_abs") < 0.3, "SUMO {version}: {early:?}");
+    }
+}
+
+#[test]
+fn vehicles_that_a_calibrator_or_rerouter_removes_are_not_complete() {
+    let folder = tempfile::tempdir().unwrap();
+    let nodes = r#"<node id="a" x="0" y="0"/><node id="b" x="1000" y="0"/><node id="c" x="2000" y="0"/>"#;
+    let edges = r#"<edge id="ab" from="a" to="b" speed="20"/><edge id="bc" from="b" to="c" speed="20"/>"#;
+    let net = network(folder.path(), nodes, edges);
+    let vehicles: String = (0..10)
+        .map(|i| format!(r#"<vehicle id="v{i}" type="car" depart="{}"><route edges="ab bc"/></vehicle>"#, 5 * i))
+        .collect();
+    let config = configuration(folder.path(), &net, &format!("{CAR}{vehicles}"), "");
+    let additional = folder.path().join("made.add.xml");
+    let calibrator = r#"<calibrator id="cal" edge="bc" pos="0" period="10"><flow begin="0" end="1000" route="r" vehsPerHour="0" type="car"/></calibrator>"#;
+    let text = format!(r#"<additional>{CAR}<route id="r" edges="ab bc"/>{calibrator}</additional>"#).replace("\"car\"", "\"kind\"");
+    fs::write(&additional, text).unwrap();
+    for version in [NEW, OLD] {
+        let result = run(version, &config, &["--", "--additional-files", additional.to_str().unwrap()]);
+        let rows = result.vehicles();
+        assert_eq!(rows.len(), 10, "SUMO {version}");
+        for row in &rows {
+            assert_eq!((row["reason"].as_str(), row["complete"].as_str()), ("removed", "false"), "SUMO {version}: {row:?}");
+        }
+    }
+}
+
+#[test]
+fn parameters_of_type_and_vehicle_reach_the_body() {
+    let heavy = CAR.replace("id=\"car\"", "id=\"heavy\"").replace("/>", r#"><param key="mfc.mass" value="2400"/></vType>"#);
+    let route = r#"<route edges="ab bc"/>"#;
+    let demand = format!(
+        r#"{heavy}<vehicle id="plain" type="car" depart="0" departSpeed="0">{route}</vehicle>
+        <vehicle id="type" type="heavy" depart="40" departSpeed="0">{route}</vehicle>
+        <vehicle id="own" type="car" depart="80" departSpeed="0">{route}<param key="mfc.mass_kg" value="2400"/></vehicle>"#
+    );
+    for version in [NEW, OLD] {
+        let result = on_the_road(version, &demand, &["--step-length", "0.5"]);
+        let torque = |id: &str| number(&result.vehicle(id), "torque_rms");
+        assert!(torque("type") > 1.15 * torque("plain"), "{} {}", torque("type"), torque("plain"));
+        assert!((torque("type") / torque("own") - 1.0).abs() < 0.02, "{} {}", torque("type"), torque("own"));
+    }
+    let wrong = r#"<vehicle id="ego" type="car" depart="0"><route edges="ab bc"/><param key="mfc.mass" value="heavy"/></vehicle>"#;
+    let folder = tempfile::tempdir().unwrap();
+    let config = straight_road(folder.path(), &format!("{CAR}{wrong}"));
+    let said = crate::support::refusal(NEW, &config, &[]);
+    assert!(said.contains("ego") && said.contains("mfc.mass") && said.contains("heavy"), "{said}");
+}
+
+#[test]
+fn egos_are_chosen_as_sumo_chooses_devices() {
+    let yes = r#"<param key="has.mfc.device" value="true"/>"#;
+    let no = yes.replace("true", "false");
+    let route = r#"<route edges="ab bc"/>"#;
+    let equipped = CAR.replace("id=\"car\"", "id=\"equipped\"").replace("/>", &format!(">{yes}</vType>"));
+    let demand = format!(
+        r#"{equipped}<vehicle id="none" type="car" depart="0">{route}</vehicle>
+        <vehicle id="own" type="car" depart="5">{route}{yes}</vehicle>
+        <vehicle id="type" type="equipped" depart="10">{route}</vehicle>
+        <vehicle id="not" type="equipped" depart="15">{route}{no}</vehicle>
+        <trip id="trip" type="car" depart="20" from="ab" to="bc">{yes}</trip>
+        <flow id="flow" type="car" begin="30" end="40" number="2" from="ab" to="bc">{yes}</flow>"#
+    );
+    for version in [NEW, OLD] {
+        let result = on_the_road(version, &demand, &["--egos", "param", "--step-length", "1"]);
+        let ids: Vec<String> = result.vehicles().into_iter().map(|row| row["id"].clone()).collect();
+        assert_eq!(ids, ["own", "type", "trip", "flow.0", "flow.1"], "SUMO {version}");
+        assert_eq!(result.json("summary.json")["counts"]["unequipped"], 2);
+    }
+}
+
+#[test]
+fn noise_is_on_the_measurement_not_on_the_error() {
+    let args = ["--set", "noise.power_db=-6", "--trace", "all", "--trace-period", "0.1"];
+    let result = run(NEW, &own("light"), &args);
+    let trace = result.table("trace.csv");
+    let moving: Vec<&Row> = trace.iter().filter(|row| number(row, "speed") > 15.0).collect();
+    let noise: f64 = moving.iter().map(|row| (number(row, "measured_speed") - number(row, "speed")).powi(2)).sum();
+    let sigma_mps = (noise / moving.len() as f64).sqrt();
+    assert!((sigma_mps - 0.5).abs() < 0.1, "-6 dB is 0.5 m/s, not {sigma_mps}");
+    let row = result.vehicle("ego");
+    assert!(number(&row, "error_rms") < 0.4, "the error is of the true speed: {}", row["error_rms"]);
+    // Standing is exact all the same.
+    assert!(trace.iter().any(|row| number(row, "time") > 60.0 && number(row, "speed") == 0.0));
+}
+
+#[test]
+fn every_class_gets_its_body_and_two_wheels_none() {
+    let route = r#"<route edges="ab bc"/>"#;
+    let mut demand = String::new();
+    for (index, class) in ["passenger", "delivery", "bus", "truck", "motorcycle"].iter().enumerate() {
+        demand += &format!(
+            r#"<vType id="t-{class}" vClass="{class}" accel="1" sigma="0" speedFactor="1" speedDev="0"/>
+            <vehicle id="{class}" type="t-{class}" depart="{}" departSpeed="0">{route}</vehicle>"#,
+            60 * index
+        );
+    }
+    for version in [NEW, OLD] {
+        let result = on_the_road(version, &demand, &["--step-length", "0.5"]);
+        let torque = |class: &str| number(&result.vehicle(class), "torque_rms");
+        assert!(torque("passenger") < torque("delivery"), "SUMO {version}");
+        assert!(torque("delivery") < torque("bus") && torque("delivery") < torque("truck"), "SUMO {version}");
+        let rows = result.vehicles();
+        assert_eq!(rows.len(), 4, "SUMO {version}");
+        for row in rows {
+            assert!(number(&row, "error_rms") < 0.1, "SUMO {version}: {row:?}");
+        }
+        assert_eq!(result.json("summary.json")["counts"]["other_classes"], 1);
+        assert!(result.ended.stderr.contains("1 motorcycle"), "{}", result.ended.stderr);
+    }
+}
+
+/// Trace and sample tell one story.
+#[test]
+fn trace_and_sample_agree() {
+    let result = run(NEW, &repository("scenarios/straight.toml"), &["--trace", "all"]);
+    let trace = result.table("trace.csv");
+    let sample = result.table("sample.csv");
+    assert!(sample.len() > 30);
+    for row in &sample {
+        let same = trace.iter().find(|t| t["time"] == row["time"] && t["id"] == row["id"]).expect("the step is traced");
+        for column in ["speed", "target", "distance", "torque"] {
+            assert_eq!(same[column], row[column], "{column} at {} s", row["time"]);
+        }
+    }
+    for pair in trace.windows(2) {
+        let (before, after) = (&pair[0], &pair[1]);
+        let step_s = number(after, "time") - number(before, "time");
+        assert!((step_s - 0.1).abs() < 1e-9);
+        let driven_m = number(after, "distance") - number(before, "distance");
+        let mean_m = 0.5 * (number(after, "speed") + number(before, "speed")) * step_s;
+        assert!((driven_m - mean_m).abs() < 0.02, "distance is the integral of speed at {} s", after["time"]);
+    }
+}

@@ -1,6 +1,7 @@
 //! The program against real SUMO, the newest and the oldest supported version. A missing SUMO is a failure, not a skip.
 
 mod city;
+mod clients;
 mod coupling;
 mod determinism;
 mod faults;

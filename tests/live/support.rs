@@ -169,7 +169,7 @@ pub fn straight_road(folder: &Path, demand: &str) -> PathBuf {
 
 /// The vType of [`straight_road`]s: no imperfection, no spread of the desired speed.
 pub const CAR: &str =
-    r#"<vType id="car" accel="2.6" decel="4.5" sigma="0" speedFactor="1" speedDev="0" maxSpeed="60" departSpeed="0"/>"#;
+    r#"<vType id="car" accel="2.6" decel="4.5" sigma="0" speedFactor="1" speedDev="0" maxSpeed="60"/>"#;
 
 /// A configuration beside its demand. `more` is further XML of the configuration.
 pub fn configuration(folder: &Path, net: &Path, demand: &str, more: &str) -> PathBuf {

@@ -1,0 +1,199 @@
+//! What the map says: heat maps of ratios, the best gains of each law, and what they are worth with a wrong torque scale.
+
+use super::Finding;
+use super::figure::Figure;
+use super::heat::{Heat, Panel};
+use super::map::{Cell, Grid, LAWS};
+use super::results::{Row, Rows};
+
+/// The finished map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// Its axes.
+    pub grid: Grid,
+    /// Its cells.
+    pub cells: Vec<Cell>,
+}
+
+/// A value of a cell, by name.
+type Value = (&'static str, &'static str, fn(&Cell) -> Option<f64>);
+
+const VALUES: [Value; 2] = [
+    ("rms", "RMS error on a noisy recording", |c| c.error_rms),
+    // A point of overshoot is added to both, so that two small ones do not make a large ratio.
+    ("overshoot", "overshoot of the first step (+1 %)", |c| c.overshoot.map(|o| o + 1.0)),
+];
+
+/// The best choice of a law's two values under one condition, and its errors when the torque scale is wrong.
+#[derive(Debug, Clone, PartialEq)]
+struct Tuned {
+    law: &'static str,
+    best: Cell,
+    /// RMS error by factor; none where it diverges or the table ends.
+    errors: Vec<Option<f64>>,
+}
+
+impl Map {
+    /// Everything that is shown of it. `mark` is the paper's point: Δt, K_P and b of a preset.
+    pub fn finding(&self, preset: &str, mark: [f64; 3]) -> Finding {
+        let mut finding = Finding::default();
+        for (value, title, of) in VALUES {
+            for &delay_s in &self.grid.delays_s {
+                for &limit_mps2 in &self.grid.limits_mps2 {
+                    let heat = self.plane(title, of, (delay_s, limit_mps2), mark);
+                    let name = format!("map_{value}_delay{delay_s}_limit{limit_mps2}");
+                    finding.figures.push(Figure::heat(&name, &heat));
+                }
+            }
+        }
+        finding.rows.extend(self.shares(preset));
+        let tuned = self.tuned();
+        for (over, under) in [("adaptive", "classic"), ("adaptive", "pid"), ("classic", "pid")] {
+            finding.figures.push(self.robustness(&tuned, over, under));
+        }
+        for (condition, laws) in &tuned {
+            for law in laws {
+                let test = format!("map_tuned_{}", condition.replace(", ", "_").replace(' ', ""));
+                let rows = Rows { test: &test, preset, controller: law.law };
+                let values = [
+                    ("gain_1", "1/s", Some(law.best.gain_1)),
+                    ("gain_2_or_scale", "1", Some(if law.law == "pid" { law.best.gain_2 } else { law.best.scale })),
+                    ("error_rms", "m/s", law.best.error_rms),
+                ];
+                finding.rows.extend(values.map(|(quantity, unit, value)| noisy(&rows, quantity, unit, value)));
+            }
+        }
+        finding
+    }
+
+    fn at(&self, law: &str, place: [f64; 6]) -> Option<&Cell> {
+        self.cells.iter().find(|c| {
+            c.controller == law && [c.period_s, c.gain_1, c.gain_2, c.scale, c.limit_mps2, c.delay_s] == place
+        })
+    }
+
+    /// Adaptive over classic with the same K_P and b, one panel per control period.
+    fn plane(&self, title: &str, of: fn(&Cell) -> Option<f64>, condition: (f64, f64), mark: [f64; 3]) -> Heat<'static> {
+        let (delay_s, limit_mps2) = condition;
+        let grid = &self.grid;
+        let names = |axis: &[f64]| axis.iter().map(|x| format!("{x}")).collect::<Vec<_>>();
+        let panels = grid.periods_s.iter().map(|&period_s| {
+            let ratio = |gain: f64, scale: f64| {
+                let place = [period_s, gain, 0.0, scale, limit_mps2, delay_s];
+                Some(of(self.at("adaptive", place)?)? / of(self.at("classic", place)?)?)
+            };
+            let here = delay_s == 0.0 && period_s == mark[0];
+            Panel {
+                title: format!("dt {} ms", 1000.0 * period_s),
+                columns: names(&grid.scales),
+                rows: names(&grid.gains),
+                ratios: grid
+                    .gains
+                    .iter()
+                    .map(|gain| grid.scales.iter().map(|scale| ratio(*gain, *scale)).collect())
+                    .collect(),
+                mark: if here { on(&grid.scales, mark[2]).zip(on(&grid.gains, mark[1])) } else { None },
+            }
+        });
+        Heat {
+            title: format!("{title}, adaptive/classic; delay {delay_s} s, limit {limit_mps2} m/s2"),
+            x: "torque scale b [m/s2 per u], alpha = 1",
+            y: "K_P [1/s]",
+            panels: panels.collect(),
+        }
+    }
+
+    /// In how many cells the adaptive law is better with the same gains.
+    fn shares(&self, preset: &str) -> Vec<Row> {
+        let rows = Rows { test: "map", preset, controller: "adaptive" };
+        let share = |of: fn(&Cell) -> Option<f64>, factor: f64| {
+            let pairs = self.cells.iter().filter(|c| c.controller == "adaptive").filter_map(|c| {
+                let place = [c.period_s, c.gain_1, c.gain_2, c.scale, c.limit_mps2, c.delay_s];
+                Some(of(c)? / of(self.at("classic", place)?)?)
+            });
+            let ratios: Vec<f64> = pairs.collect();
+            let better = ratios.iter().filter(|r| **r * factor < 1.0).count() as f64;
+            (!ratios.is_empty()).then(|| better / ratios.len() as f64)
+        };
+        let worse = |of| share(of, 1.0 / 1.05).map(|not_worse| 1.0 - not_worse);
+        vec![
+            noisy(&rows, "rms_better_by_5_percent_share", "1", share(|c| c.error_rms, 1.05)),
+            noisy(&rows, "rms_worse_by_5_percent_share", "1", worse(|c| c.error_rms)),
+            noisy(&rows, "overshoot_better_by_5_percent_share", "1", share(|c| c.overshoot.map(|o| o + 1.0), 1.05)),
+            noisy(&rows, "overshoot_worse_by_5_percent_share", "1", worse(|c| c.overshoot.map(|o| o + 1.0))),
+        ]
+    }
+
+    /// The best choice of every law under every condition.
+    fn tuned(&self) -> Vec<(String, Vec<Tuned>)> {
+        let mut all = Vec::new();
+        for &period_s in &self.grid.periods_s {
+            for &limit_mps2 in &self.grid.limits_mps2 {
+                for &delay_s in &self.grid.delays_s {
+                    let name = format!("dt {} ms, limit {limit_mps2}, delay {delay_s}", 1000.0 * period_s);
+                    let laws = LAWS.iter().filter_map(|law| self.tune(law, period_s, limit_mps2, delay_s));
+                    all.push((name, laws.collect()));
+                }
+            }
+        }
+        all
+    }
+
+    fn tune(&self, law: &'static str, period_s: f64, limit_mps2: f64, delay_s: f64) -> Option<Tuned> {
+        let here = |c: &&Cell| {
+            (c.controller, c.period_s, c.limit_mps2, c.delay_s) == (law, period_s, limit_mps2, delay_s)
+                && (law != "pid" || c.scale == 1.0)
+        };
+        let finished = self.cells.iter().filter(here).filter(|c| c.error_rms.is_some());
+        let best = *finished.min_by(|a, b| a.error_rms.partial_cmp(&b.error_rms).expect("errors are numbers"))?;
+        let error = |factor: &f64| {
+            self.at(law, [period_s, best.gain_1, best.gain_2, best.scale * factor, limit_mps2, delay_s])?.error_rms
+        };
+        Some(Tuned { law, best, errors: self.grid.factors.iter().map(error).collect() })
+    }
+
+    /// Ratio of two tuned laws when the torque scale is wrong.
+    fn robustness(&self, tuned: &[(String, Vec<Tuned>)], over: &str, under: &str) -> Figure {
+        let column = |laws: &[Tuned], row: usize| {
+            let error = |name: &str| laws.iter().find(|t| t.law == name)?.errors[row];
+            Some(error(over)? / error(under)?)
+        };
+        let rows = 0..self.grid.factors.len();
+        let panel = Panel {
+            title: format!("{over} / {under}, each with its best gains"),
+            columns: tuned.iter().map(|(name, _)| name.replace("limit ", "").replace("delay ", "")).collect(),
+            rows: self.grid.factors.iter().map(|f| format!("x {f}")).collect(),
+            ratios: rows.map(|row| tuned.iter().map(|(_, laws)| column(laws, row)).collect()).collect(),
+            mark: None,
+        };
+        let heat = Heat {
+            title: format!("RMS error when the torque scale is wrong by a factor, {over}/{under}"),
+            x: "control period, torque limit [m/s2], delay [s]",
+            y: "factor",
+            panels: vec![panel],
+        };
+        Figure::heat(&format!("map_tuned_{over}_{under}"), &heat)
+    }
+}
+
+/// Where a value is on a logarithmic axis, in cells.
+fn on(axis: &[f64], value: f64) -> Option<f64> {
+    let next = axis.iter().position(|x| *x >= value)?;
+    let Some(before) = next.checked_sub(1) else { return (axis[0] == value).then_some(0.0) };
+    let (low, high) = (axis[before], axis[next]);
+    Some(before as f64 + libm::log(value / low) / libm::log(high / low))
+}
+
+/// One row of a number found with noise.
+fn noisy(rows: &Rows, quantity: &'static str, unit: &'static str, value: Option<f64>) -> Row {
+    Row {
+        test: rows.test.to_owned(),
+        preset: rows.preset.to_owned(),
+        noise: true,
+        controller: rows.controller,
+        quantity,
+        value,
+        spread: None,
+        unit,
+    }
+}

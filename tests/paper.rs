@@ -1,0 +1,284 @@
+//! The paper's experiments: what the default preset must show, and that the command can be trusted with other people's files.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use sumo_mfc::paper::library::Library;
+use sumo_mfc::paper::results::{Results, Row, Verdict};
+use sumo_mfc::paper::{Lab, Request, law, map, run};
+use tempfile::TempDir;
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn request(test: &str, dir: &Path) -> Request {
+    let preset = Some("default".to_owned());
+    Request { test: test.to_owned(), out_dir: dir.to_owned(), preset, coarse: true, ..Request::default() }
+}
+
+fn lab(dir: &Path) -> Lab {
+    Lab { library: Library::open(dir, &[]).unwrap(), driver: None }
+}
+
+fn command() -> Command {
+    let mut command = Command::cargo_bin("sumo-mfc").unwrap();
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+fn value(results: &Results, controller: &str, quantity: &str) -> f64 {
+    let row: &Row = results.get("step", "default", false, controller, quantity).unwrap();
+    row.value.unwrap_or_else(|| panic!("{controller} {quantity} has no value"))
+}
+
+/// Section 5.1 of the paper, sentence by sentence.
+#[test]
+fn val_the_default_preset_shows_the_step_test_of_the_paper() {
+    let dir = folder();
+    let results = run(&request("step", dir.path())).unwrap();
+    for (controller, quantity, published, within) in [
+        ("classic", "overshoot_1", 19.5, 1.0),
+        ("classic", "overshoot_2", 9.5, 0.7),
+        ("adaptive", "overshoot_1", 8.0, 0.7),
+        ("adaptive", "overshoot_2", 3.9, 0.5),
+    ] {
+        let ours = value(&results, controller, quantity);
+        assert!((ours - published).abs() <= within, "{controller} {quantity}: {ours}, published {published}");
+    }
+    for step in ["1", "2"] {
+        let settles = |controller| value(&results, controller, &format!("settling_{step}"));
+        assert!(settles("adaptive") <= 100.0, "adaptive settles after {} m", settles("adaptive"));
+        let classic = results.get("step", "default", false, "classic", &format!("settling_{step}")).unwrap().value;
+        assert!(classic.is_none_or(|metres| metres > settles("adaptive")), "classic settles first: {classic:?}");
+        let undershoot = value(&results, "classic", &format!("undershoot_{step}"));
+        assert!(undershoot > 3.0, "classic does not oscillate: undershoot {undershoot} %");
+    }
+    let nominal = value(&results, "adaptive", "alpha_nominal_share");
+    assert!(nominal > 0.5, "alpha is nominal in {nominal} of the time");
+    let judged = results.rows.iter().filter(|r| !r.noise && r.published().is_some());
+    assert!(judged.into_iter().all(|r| results.verdict(r) == Some(Verdict::Reproduced)));
+}
+
+#[test]
+fn results_have_the_columns_and_rows_that_scripts_rely_on() {
+    let dir = folder();
+    run(&request("step", dir.path())).unwrap();
+    let text = fs::read_to_string(dir.path().join("results.csv")).unwrap();
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let header: Vec<_> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    assert_eq!(
+        header,
+        ["test", "preset", "noise", "controller", "quantity", "value", "spread", "unit", "published", "verdict"]
+    );
+    let rows: Vec<Vec<String>> =
+        reader.records().map(|r| r.unwrap().iter().map(str::to_owned).collect()).collect();
+    let mut keys = BTreeSet::new();
+    for row in &rows {
+        assert!(keys.insert(row[..5].to_vec()), "twice: {row:?}");
+        assert!(["on", "off"].contains(&row[2].as_str()));
+        assert_eq!(row[8].is_empty(), row[9].is_empty(), "a verdict needs a published number: {row:?}");
+        assert!(row[5].is_empty() || row[5].parse::<f64>().is_ok());
+    }
+    for quantity in ["overshoot_1", "overshoot_2", "settling_1", "settling_2"] {
+        for controller in ["classic", "adaptive"] {
+            for noise in ["on", "off"] {
+                let key = ["step", "default", noise, controller, quantity].map(str::to_owned).to_vec();
+                let row = rows.iter().find(|r| r[..5] == key).unwrap_or_else(|| panic!("no {key:?}"));
+                let unit = if quantity.starts_with("overshoot") { "%" } else { "m" };
+                assert_eq!(row[7], unit);
+                assert_eq!(row[6].is_empty(), noise == "off" || row[5].is_empty(), "spread belongs to noise: {row:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn law_the_same_bytes_on_any_number_of_threads() {
+    let outputs = [1, 2].map(|threads| {
+        let dir = folder();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(&request("step", dir.path()))).unwrap();
+        ["results.csv", "index.html", "series/default_step_adaptive.csv", "figures/default_step_alpha.svg"]
+            .map(|name| fs::read(dir.path().join(name)).unwrap())
+    });
+    assert!(outputs[0] == outputs[1]);
+}
+
+/// Derived in docs/overshoot-ratio.md.
+#[test]
+fn law_overshoots_are_in_the_ratio_two_roots_of_period_over_window() {
+    let dir = folder();
+    let lab = lab(dir.path());
+    let preset = lab.library.find("default").unwrap();
+    // Shorter periods take long in unoptimised builds.
+    let quick = |p: &law::Point| !cfg!(debug_assertions) || p.period_s >= 0.005;
+    for point in law::points().into_iter().filter(quick) {
+        let measured = point.measured(&lab, preset).unwrap();
+        let apart = measured - point.predicted();
+        assert!(apart.abs() < 0.04, "{point:?}: {measured}, predicted {}", point.predicted());
+    }
+}
+
+#[test]
+fn the_page_has_all_figures_and_needs_no_network() {
+    let dir = folder();
+    run(&request("step", dir.path())).unwrap();
+    let page = fs::read_to_string(dir.path().join("index.html")).unwrap();
+    for trace in ["http:", "https:", "src=", "@import", "url(", "<script", "<link"] {
+        assert!(!page.contains(trace), "the page reaches outside: {trace}");
+    }
+    assert!(page.contains("prefers-color-scheme:dark"));
+    let figures: Vec<PathBuf> =
+        fs::read_dir(dir.path().join("figures")).unwrap().map(|f| f.unwrap().path()).collect();
+    assert!(figures.len() >= 5, "{figures:?}");
+    for figure in figures {
+        let text = fs::read_to_string(&figure).unwrap();
+        assert!(text.starts_with("<svg xmlns="), "{figure:?}");
+        let mut reader = quick_xml::Reader::from_str(&text);
+        while !matches!(reader.read_event().unwrap(), quick_xml::events::Event::Eof) {}
+        let title = text.split("<title>").nth(1).unwrap().split("</title>").next().unwrap();
+        assert!(page.contains(title), "{figure:?} is not on the page");
+    }
+}
+
+#[test]
+fn somebodys_own_recording_is_driven() {
+    let dir = folder();
+    let file = dir.path().join("mine.csv");
+    let rows: String = (0..=600).map(|k| format!("{},{},0,0.02\n", 0.1 * f64::from(k), 12.0)).collect();
+    fs::write(&file, format!("t_s,vx_mps,vy_mps,yaw_rate_radps\n{rows}")).unwrap();
+    let out = dir.path().join("out");
+    command()
+        .args(["paper", "driver", "--preset", "default", "--driver"])
+        .arg(&file)
+        .arg("-o")
+        .arg(&out)
+        .assert()
+        .success()
+        .stdout(predicate::str::contains("index.html"));
+    let text = fs::read_to_string(out.join("results.csv")).unwrap();
+    assert!(text.contains("driver,default,on,adaptive,error_rms,"), "{text}");
+    assert!(text.contains("driver_path,default,off,classic,error_rms,"), "a yaw rate gives a path: {text}");
+    assert!(!text.contains("udds"), "{text}");
+    assert!(fs::read_to_string(out.join("index.html")).unwrap().contains("mine.csv"));
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let dir = folder();
+    let file = dir.path().join("bad.csv");
+    fs::write(&file, "t_s,vx_mps\n0,5\n1,fast\n").unwrap();
+    let bad_file = file.to_string_lossy().into_owned();
+    for (arguments, wanted) in [
+        (vec!["paper", "stepp"], "did you mean \"step\""),
+        (vec!["paper", "step", "--preset", "defualt"], "did you mean \"default\""),
+        (vec!["paper", "step", "--set", "controller.kp=1"], "controller.k_p"),
+        (vec!["paper", "step", "--set", "controller.k_p=fast"], "wanted a number"),
+        (vec!["paper", "step", "--set", "target.name=limit"], "wanted a profile"),
+        (vec!["paper", "driver", "--driver", "/no/such/file.csv"], "/no/such/file.csv"),
+        (vec!["paper", "driver", "--driver", &bad_file], "bad.csv:3"),
+    ] {
+        command()
+            .args(&arguments)
+            .arg("-o")
+            .arg(dir.path().join("out"))
+            .assert()
+            .code(1)
+            .stdout("")
+            .stderr(predicate::str::contains(wanted));
+    }
+}
+
+#[test]
+fn settings_reach_the_laws_that_have_them() {
+    let dir = folder();
+    let set = |out: &str, setting: &str| {
+        let out = dir.path().join(out);
+        command().args(["paper", "step", "--preset", "default", "--set", setting, "-o"]).arg(&out).assert().success();
+        fs::read_to_string(out.join("results.csv")).unwrap()
+    };
+    let (plain, epsilon) = (set("plain", "sumo.seed=23423"), set("epsilon", "controller.epsilon=5.0"));
+    let of = |text: &str, controller: &str| -> Vec<String> {
+        text.lines().filter(|l| l.contains(controller) && l.starts_with("step")).map(str::to_owned).collect()
+    };
+    assert_eq!(of(&plain, ",classic,"), of(&epsilon, ",classic,"), "classic has no epsilon");
+    assert_ne!(of(&plain, ",adaptive,"), of(&epsilon, ",adaptive,"));
+}
+
+/// The program carries the scenario files, so that it works outside a clone.
+#[test]
+fn law_the_carried_files_are_those_of_the_repository() {
+    let (dir, empty) = (folder(), folder());
+    let spare = dir.path().join("spare");
+    let ours = Library::open(&spare, &[]).unwrap();
+    assert!(!spare.exists(), "inside the repository its own files are read");
+    command()
+        .current_dir(empty.path())
+        .args(["paper", "step", "--preset", "default", "-o", "out"])
+        .assert()
+        .success();
+    let carried = empty.path().join("out/scenarios");
+    let names = |folder: &Path| -> BTreeSet<PathBuf> {
+        fs::read_dir(folder).unwrap().map(|f| f.unwrap().file_name().into()).collect()
+    };
+    assert_eq!(names(&carried.join("presets")), names(&ours.folder().join("presets")));
+    for file in ["vehicle.toml", "step.toml", "presets/default.toml", "data/udds.csv"] {
+        assert_eq!(fs::read(carried.join(file)).unwrap(), fs::read(ours.folder().join(file)).unwrap(), "{file}");
+    }
+}
+
+#[test]
+fn law_a_map_that_was_broken_off_goes_on_to_the_same_bytes() {
+    let (dir, broken) = (folder(), folder());
+    let make = |out: &Path| {
+        let lab = lab(out);
+        let preset = lab.library.find("default").unwrap().clone();
+        let grid = map::Grid { periods_s: vec![0.02], ..map::Grid::coarse() };
+        map::run(&lab, &preset, out, &grid, false).unwrap();
+        fs::read_to_string(out.join("map.csv")).unwrap()
+    };
+    let whole = make(dir.path());
+    assert!(whole.lines().count() > 10);
+    assert!(!dir.path().join("map.csv.part").exists());
+    // Half of it is there, the last line only in part.
+    fs::write(broken.path().join("map.csv.part"), &whole[..whole.len() / 2]).unwrap();
+    assert_eq!(make(broken.path()), whole);
+    // What belongs to other settings is not taken over.
+    let foreign = whole.replacen("# ", "# 0", 1).replace("classic", "pid");
+    fs::write(broken.path().join("map.csv"), foreign).unwrap();
+    assert_eq!(make(broken.path()), whole);
+}
+
+#[test]
+fn the_map_is_drawn_for_every_delay() {
+    let dir = folder();
+    let results = run(&request("map", dir.path())).unwrap();
+    for name in ["map_rms_delay0_limit5.3", "map_overshoot_delay0.25_limit5.3", "map_tuned_adaptive_pid"] {
+        assert!(dir.path().join("figures").join(format!("{name}.svg")).is_file(), "{name}");
+    }
+    let tuned = |controller: &str| {
+        let mut rows = results.rows.iter().filter(|r| r.test.starts_with("map_tuned") && r.controller == controller);
+        rows.any(|r| r.quantity == "error_rms" && r.value.is_some_and(|v| v > 0.0))
+    };
+    assert!(["classic", "adaptive", "pid"].iter().all(|c| tuned(c)));
+}
+
+/// A disturbance that is no step for the body cannot be told from none; a mass of one and a half can.
+#[test]
+fn disturbances_act() {
+    let dir = folder();
+    let results = run(&request("disturb", dir.path())).unwrap();
+    let rms = |suffix: &str, controller: &str| {
+        results.get(&format!("disturb{suffix}"), "default", false, controller, "error_rms").unwrap().value.unwrap()
+    };
+    for controller in ["classic", "adaptive", "pid"] {
+        let undisturbed = rms("", controller);
+        for suffix in ["_mass_plus_50", "_mass_minus_50", "_grade_plus_5", "_headwind_15", "_stiffness_minus_30"] {
+            assert_ne!(rms(suffix, controller), undisturbed, "{controller} {suffix}");
+        }
+        assert!(rms("_friction_0.2", controller) > 2.0 * undisturbed, "{controller} on ice");
+    }
+}
