@@ -73,8 +73,7 @@ fn results_have_the_columns_and_rows_that_scripts_rely_on() {
         header,
         ["test", "preset", "noise", "controller", "quantity", "value", "spread", "unit", "published", "verdict"]
     );
-    let rows: Vec<Vec<String>> =
-        reader.records().map(|r| r.unwrap().iter().map(str::to_owned).collect()).collect();
+    let rows: Vec<Vec<String>> = reader.records().map(|r| r.unwrap().iter().map(str::to_owned).collect()).collect();
     let mut keys = BTreeSet::new();
     for row in &rows {
         assert!(keys.insert(row[..5].to_vec()), "twice: {row:?}");
@@ -131,8 +130,7 @@ fn the_page_has_all_figures_and_needs_no_network() {
         assert!(!page.contains(trace), "the page reaches outside: {trace}");
     }
     assert!(page.contains("prefers-color-scheme:dark"));
-    let figures: Vec<PathBuf> =
-        fs::read_dir(dir.path().join("figures")).unwrap().map(|f| f.unwrap().path()).collect();
+    let figures: Vec<PathBuf> = fs::read_dir(dir.path().join("figures")).unwrap().map(|f| f.unwrap().path()).collect();
     assert!(figures.len() >= 5, "{figures:?}");
     for figure in figures {
         let text = fs::read_to_string(&figure).unwrap();
@@ -215,11 +213,7 @@ fn law_the_carried_files_are_those_of_the_repository() {
     let spare = dir.path().join("spare");
     let ours = Library::open(&spare, &[]).unwrap();
     assert!(!spare.exists(), "inside the repository its own files are read");
-    command()
-        .current_dir(empty.path())
-        .args(["paper", "step", "--preset", "default", "-o", "out"])
-        .assert()
-        .success();
+    command().current_dir(empty.path()).args(["paper", "step", "--preset", "default", "-o", "out"]).assert().success();
     let carried = empty.path().join("out/scenarios");
     let names = |folder: &Path| -> BTreeSet<PathBuf> {
         fs::read_dir(folder).unwrap().map(|f| f.unwrap().file_name().into()).collect()

@@ -134,7 +134,8 @@ impl World {
             return Ok(());
         }
         let drawn = |share: f64| Stream::new(self.seed, "device.mfc", &vehicle.id).uniform() < share;
-        let param = self.equipped.of(&vehicle.id).or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
+        let param =
+            self.equipped.of(&vehicle.id).or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
         let info = EgoInfo { id: &vehicle.id, type_id: &vehicle.type_id, class: &facts.class, param };
         let matched = self.groups.iter().position(|g| g.select.matches(&info, self.seed));
         let Some(group) = matched.filter(|_| self.egos.matches(&info, self.seed)) else {

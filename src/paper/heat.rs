@@ -64,7 +64,11 @@ impl Figure {
         let (middle, low) = (0.5 * (LEFT + WIDTH), bottom + 62.0);
         let _ = write!(body, "<text x=\"{middle}\" y=\"{low}\" text-anchor=\"middle\">{}</text>", escape(heat.x));
         let middle = 0.5 * (TOP + bottom);
-        let _ = write!(body, "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>", escape(heat.y));
+        let _ = write!(
+            body,
+            "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            escape(heat.y)
+        );
         scale(&mut body, low + 12.0);
         Self::drawn(name, &heat.title, body, low + 44.0)
     }
@@ -86,7 +90,11 @@ fn draw_panel(body: &mut String, panel: &Panel, place: &Place, first: bool) {
         let base = y + 0.5 * height + 4.0;
         if first {
             let end = left - 6.0;
-            let _ = write!(body, "<text class=\"soft\" x=\"{end:.1}\" y=\"{base:.1}\" text-anchor=\"end\">{}</text>", escape(&panel.rows[r]));
+            let _ = write!(
+                body,
+                "<text class=\"soft\" x=\"{end:.1}\" y=\"{base:.1}\" text-anchor=\"end\">{}</text>",
+                escape(&panel.rows[r])
+            );
         }
         for (c, ratio) in row.iter().enumerate() {
             let Some(ratio) = ratio else { continue };
@@ -100,13 +108,20 @@ fn draw_panel(body: &mut String, panel: &Panel, place: &Place, first: bool) {
             );
             if width > 30.0 {
                 let middle = x + 0.5 * width;
-                let _ = write!(body, "<text class=\"cell\" x=\"{middle:.1}\" y=\"{base:.1}\" text-anchor=\"middle\">{ratio:.2}</text>");
+                let _ = write!(
+                    body,
+                    "<text class=\"cell\" x=\"{middle:.1}\" y=\"{base:.1}\" text-anchor=\"middle\">{ratio:.2}</text>"
+                );
             }
         }
     }
     for (c, name) in panel.columns.iter().enumerate() {
         let (x, y) = (left + (c as f64 + 0.5) * width + 4.0, bottom + 8.0);
-        let _ = write!(body, "<text class=\"soft\" font-size=\"10\" transform=\"translate({x:.1} {y:.1}) rotate(-60)\" text-anchor=\"end\">{}</text>", escape(name));
+        let _ = write!(
+            body,
+            "<text class=\"soft\" font-size=\"10\" transform=\"translate({x:.1} {y:.1}) rotate(-60)\" text-anchor=\"end\">{}</text>",
+            escape(name)
+        );
     }
     if let Some((column, row)) = panel.mark {
         let (x, y) = (left + (column + 0.5) * width, bottom - (row + 0.5) * height);

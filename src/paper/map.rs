@@ -174,7 +174,15 @@ impl Job {
                     let Self { controller, period_s, gain_1, gain_2 } = *self;
                     let (error_rms, overshoot) = (None, None);
                     cells.push(Cell {
-                        controller, period_s, gain_1, gain_2, scale, limit_mps2, delay_s, error_rms, overshoot,
+                        controller,
+                        period_s,
+                        gain_1,
+                        gain_2,
+                        scale,
+                        limit_mps2,
+                        delay_s,
+                        error_rms,
+                        overshoot,
                     });
                 }
             }

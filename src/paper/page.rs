@@ -91,7 +91,9 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
     html += &opening(lab, presets);
     html += &glance(presets, results);
     for (test, title, paper, here) in ABOUT {
-        if results.rows.iter().any(|r| family(&r.test) == *test) || found.figures.iter().any(|f| family(&f.name) == *test) {
+        if results.rows.iter().any(|r| family(&r.test) == *test)
+            || found.figures.iter().any(|f| family(&f.name) == *test)
+        {
             let _ = write!(
                 html,
                 "<h2 id=\"{test}\">{title}</h2><blockquote>{}</blockquote><p>{}</p>",

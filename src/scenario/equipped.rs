@@ -6,10 +6,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use quick_xml::{
-    Reader,
-    events::Event,
-};
+use quick_xml::{Reader, events::Event};
 
 use super::{
     Scenario, Selector,
@@ -30,7 +27,11 @@ impl Equipped {
     /// Reads the inputs of a scenario, if one of its selectors asks. What cannot be read counts as silent.
     pub fn of_scenario(scenario: &Scenario) -> Self {
         let selectors = scenario.groups.iter().map(|g| &g.select).chain([&scenario.egos]);
-        if selectors.into_iter().any(|s| matches!(s, Selector::Param)) { Self::read(&scenario.inputs) } else { Self::default() }
+        if selectors.into_iter().any(|s| matches!(s, Selector::Param)) {
+            Self::read(&scenario.inputs)
+        } else {
+            Self::default()
+        }
     }
 
     fn read(files: &[PathBuf]) -> Self {
@@ -53,7 +54,9 @@ impl Equipped {
                 Event::Start(tag) | Event::Empty(tag) => match tag.name().as_ref() {
                     // The large ones, and there is no demand in them.
                     "net" | "configuration" => return Ok(()),
-                    name @ ("vehicle" | "trip" | "flow") => carrier = attribute(&tag, "id").map(|id| (name == "flow", id)),
+                    name @ ("vehicle" | "trip" | "flow") => {
+                        carrier = attribute(&tag, "id").map(|id| (name == "flow", id))
+                    }
                     "vType" | "person" | "container" => carrier = None,
                     "param" if attribute(&tag, "key").as_deref() == Some(KEY) => {
                         let yes = attribute(&tag, "value").is_some_and(|v| is_true(&v));

@@ -48,13 +48,20 @@ fn a_sumo_that_runs_already_can_be_joined() {
         assert_eq!(rows.len(), 6, "SUMO {version}");
         let trips = elements(&config.with_file_name("theirs.xml"), "tripinfo");
         for row in &rows {
-            assert_eq!((row["reason"].as_str(), row["complete"].as_str()), ("arrived", "true"), "SUMO {version}: {row:?}");
+            assert_eq!(
+                (row["reason"].as_str(), row["complete"].as_str()),
+                ("arrived", "true"),
+                "SUMO {version}: {row:?}"
+            );
             assert!(number(row, "odometer_gap").abs() < 0.2, "SUMO {version}: {row:?}");
             // What SUMO wrote for its owner agrees with what we could only read off the replies.
             let trip = trips.iter().find(|trip| attribute(trip, "id") == row["id"]).unwrap();
             for column in ["depart", "arrival"] {
                 let theirs: f64 = attribute(trip, column).parse().unwrap();
-                assert!((number(row, column) - theirs).abs() < 0.5 + 1e-9, "SUMO {version}: {column} {theirs}, {row:?}");
+                assert!(
+                    (number(row, column) - theirs).abs() < 0.5 + 1e-9,
+                    "SUMO {version}: {column} {theirs}, {row:?}"
+                );
             }
         }
     }

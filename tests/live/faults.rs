@@ -1,7 +1,8 @@
 //! What goes wrong around a run: the message says what, nothing that was computed is lost, no SUMO stays behind.
 
 use crate::support::{
-    CAR, NEW, OLD, Running, TOO_OLD, configuration, json, own, refusal, repository, run, run_command, straight_road, table,
+    CAR, NEW, OLD, Running, TOO_OLD, configuration, json, own, refusal, repository, run, run_command, straight_road,
+    table,
 };
 use std::fs;
 use std::net::TcpListener;

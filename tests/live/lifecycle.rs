@@ -1,6 +1,8 @@
 //! Vehicles come and go in all the ways that SUMO knows, and every departure has exactly one row.
 
-use crate::support::{CAR, NEW, OLD, Outcome, Row, configuration, network, number, own, plain_sumo, repository, run, straight_road};
+use crate::support::{
+    CAR, NEW, OLD, Outcome, Row, configuration, network, number, own, plain_sumo, repository, run, straight_road,
+};
 use std::fs;
 
 /// A run on the straight road.
@@ -67,7 +69,11 @@ fn routes_of_one_step_have_a_row() {
             let result = on_the_road(version, &demand, &["--step-length", step]);
             let rows = result.vehicles();
             assert_eq!(rows.len() as f64, result.sumo("inserted"), "SUMO {version}, step {step}");
-            assert_eq!(rows.iter().filter(|r| arrived(r)).count() as f64, result.sumo("arrived"), "SUMO {version}, {step}");
+            assert_eq!(
+                rows.iter().filter(|r| arrived(r)).count() as f64,
+                result.sumo("arrived"),
+                "SUMO {version}, {step}"
+            );
             assert_eq!(rows.len(), 5);
         }
     }
@@ -79,7 +85,8 @@ fn ids_of_any_alphabet_and_length() {
     let names = ["Größe-Ω-車", "a.b-c_d#1(e)", &"y".repeat(160)];
     let mut demand = String::new();
     for (index, name) in names.iter().copied().chain(too_long.iter().map(String::as_str)).enumerate() {
-        demand += &format!(r#"<vehicle id="{name}" type="car" depart="{}"><route edges="ab bc"/></vehicle>"#, 5 * index);
+        demand +=
+            &format!(r#"<vehicle id="{name}" type="car" depart="{}"><route edges="ab bc"/></vehicle>"#, 5 * index);
     }
     for version in [NEW, OLD] {
         let result = on_the_road(version, &demand, &["--step-length", "1"]);
@@ -130,21 +137,27 @@ fn vehicles_that_a_calibrator_or_rerouter_removes_are_not_complete() {
     let config = configuration(folder.path(), &net, &format!("{CAR}{vehicles}"), "");
     let additional = folder.path().join("made.add.xml");
     let calibrator = r#"<calibrator id="cal" edge="bc" pos="0" period="10"><flow begin="0" end="1000" route="r" vehsPerHour="0" type="car"/></calibrator>"#;
-    let text = format!(r#"<additional>{CAR}<route id="r" edges="ab bc"/>{calibrator}</additional>"#).replace("\"car\"", "\"kind\"");
+    let text = format!(r#"<additional>{CAR}<route id="r" edges="ab bc"/>{calibrator}</additional>"#)
+        .replace("\"car\"", "\"kind\"");
     fs::write(&additional, text).unwrap();
     for version in [NEW, OLD] {
         let result = run(version, &config, &["--", "--additional-files", additional.to_str().unwrap()]);
         let rows = result.vehicles();
         assert_eq!(rows.len(), 10, "SUMO {version}");
         for row in &rows {
-            assert_eq!((row["reason"].as_str(), row["complete"].as_str()), ("removed", "false"), "SUMO {version}: {row:?}");
+            assert_eq!(
+                (row["reason"].as_str(), row["complete"].as_str()),
+                ("removed", "false"),
+                "SUMO {version}: {row:?}"
+            );
         }
     }
 }
 
 #[test]
 fn parameters_of_type_and_vehicle_reach_the_body() {
-    let heavy = CAR.replace("id=\"car\"", "id=\"heavy\"").replace("/>", r#"><param key="mfc.mass" value="2400"/></vType>"#);
+    let heavy =
+        CAR.replace("id=\"car\"", "id=\"heavy\"").replace("/>", r#"><param key="mfc.mass" value="2400"/></vType>"#);
     let route = r#"<route edges="ab bc"/>"#;
     let demand = format!(
         r#"{heavy}<vehicle id="plain" type="car" depart="0" departSpeed="0">{route}</vehicle>
