@@ -16,8 +16,8 @@ demo: ## Every car of a city with a real body: compare four controllers, print o
 test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
 	cargo test --release --locked
 
-bench: setup ## The benchmarks, one line per figure
-	cargo bench --locked
+bench: ## The benchmarks, one line per figure; the last against real SUMO at up to 20 000 cars (half an hour)
+	tools/with-sumo cargo bench --locked
 
 setup: ## Install the pinned SUMO below .sumo/
 	@.ci/install 1.28.0

@@ -146,6 +146,12 @@ impl Book {
         &self.order
     }
 
+    /// The ego at a place of the order, to change it.
+    pub fn at(&mut self, place: usize) -> &mut Ego {
+        let key = self.order[place];
+        &mut self[key]
+    }
+
     /// All egos in order.
     pub fn iter(&self) -> impl Iterator<Item = &Ego> {
         self.order.iter().map(|k| &self[*k])

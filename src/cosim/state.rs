@@ -341,8 +341,8 @@ impl State {
 
     /// Notes how far every plant has come, to be compared with SUMO's odometers at the same instant.
     pub(super) fn note_distances(&mut self) {
-        for key in self.book.keys().to_vec() {
-            let ego = &mut self.book[key];
+        for index in 0..self.book.len() {
+            let ego = self.book.at(index);
             ego.distance_m = self.fleet.block(ego.slot).distance_m(ego.slot.lane());
         }
     }
@@ -352,8 +352,8 @@ impl State {
         if self.targets.iter().all(|t| matches!(t, Target::Traffic)) {
             return;
         }
-        for key in self.book.keys().to_vec() {
-            let ego = &mut self.book[key];
+        for index in 0..self.book.len() {
+            let ego = self.book.at(index);
             let Some(lead) = &ego.lead else { continue };
             let block = self.fleet.block_mut(ego.slot);
             let (limit_mps, bound) = match &self.targets[ego.group] {
@@ -373,8 +373,8 @@ impl State {
             };
             self.fleet.advance(self.periods, |b| b.group() == group, follow);
         }
-        for key in self.book.keys().to_vec() {
-            let ego = &mut self.book[key];
+        for index in 0..self.book.len() {
+            let ego = self.book.at(index);
             let Some(lead) = &mut ego.lead else { continue };
             let speed_mps = self.fleet.block(ego.slot).speed_mps(ego.slot.lane());
             // A car that SUMO holds has to ask whether it may go, or it would stand for ever.
@@ -397,8 +397,8 @@ impl State {
 
     /// Odometers and roads, asked for from command `first` on, two commands per ego in order.
     pub(super) fn take_readings(&mut self, reply: &Reply<'_>, first: usize) {
-        for (index, key) in self.book.keys().to_vec().into_iter().enumerate() {
-            let ego = &mut self.book[key];
+        for index in 0..self.book.len() {
+            let ego = self.book.at(index);
             let lane = ego.slot.lane();
             let block = self.fleet.block_mut(ego.slot);
             if let Some(odometer_m) = reply.f64(first + 2 * index) {
@@ -415,8 +415,8 @@ impl State {
 
     /// Limits that have become known.
     pub(super) fn renew_limits(&mut self) {
-        for key in self.book.keys().to_vec() {
-            let ego = &mut self.book[key];
+        for index in 0..self.book.len() {
+            let ego = self.book.at(index);
             if let (Some(lead), Some(limit)) =
                 (&mut ego.lead, ego.lane.as_ref().and_then(|l| self.lane_limits_mps.get(l)))
             {

@@ -4,7 +4,7 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use sumo_mfc::lanes::LANES;
-use sumo_mfc::plant::{Actuators, Inputs, InstructionSet, Plant, PlantBlock, SevenDof, State};
+use sumo_mfc::plant::{Inputs, InstructionSet, Plant, PlantBlock, SevenDof, State};
 
 fn main() {
     divan::main();
@@ -55,15 +55,4 @@ fn scalar_libm(bencher: Bencher) {
     bencher.counter(ItemsCount::new(LANES)).bench_local(|| {
         plant.advance_scalar(black_box(&mut block), black_box(&inputs), &[1.0; LANES], 0.01);
     });
-}
-
-#[divan::bench]
-fn actuators(bencher: Bencher) {
-    let mut actuators = Actuators::new(0.01, 0.25);
-    for slot in 0..LANES {
-        actuators.set(slot, 0.01 * slot as f64, 0.05, 2000.0, 4000.0);
-    }
-    bencher
-        .counter(ItemsCount::new(LANES))
-        .bench_local(|| actuators.step(black_box(&[1000.0; LANES]), black_box(&[0.001; LANES])));
 }

@@ -1,5 +1,6 @@
 //! The loops that are compared, each with a SUMO of its own.
 
+use super::bare::Bare;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -23,6 +24,10 @@ pub enum Kind {
     Adaptive,
     /// The same without AVX-512 in the bodies.
     AdaptiveAvx2,
+    /// The bare exchange: speeds sent back, speed and angle read by subscription.
+    BareSubscriptions,
+    /// The bare exchange with gets in a second message, written together with the first.
+    BareGets,
     /// SUMO's Python library with subscriptions, no bodies.
     PythonSubscriptions,
     /// SUMO's Python library with one command per value, no bodies.
@@ -37,6 +42,8 @@ impl Kind {
             Self::Ideal => "ideal",
             Self::Adaptive => "adaptive",
             Self::AdaptiveAvx2 => "adaptive AVX2",
+            Self::BareSubscriptions => "bare subscriptions",
+            Self::BareGets => "bare gets",
             Self::PythonSubscriptions => "Python subscriptions",
             Self::PythonValues => "Python one by one",
         }
@@ -46,6 +53,7 @@ impl Kind {
 enum Driver {
     Plain(Box<Client>, Batch),
     Ours(Box<World>),
+    Bare(Box<Bare>),
     Python(Child, BufReader<std::process::ChildStdout>),
 }
 
@@ -94,6 +102,10 @@ impl Loop {
                 batch.step().expect("a batch with one step");
                 Driver::Plain(Box::new(process.connect(PATIENCE).await.expect("SUMO answers")), batch)
             }
+            Kind::BareSubscriptions | Kind::BareGets => {
+                let client = process.connect(PATIENCE).await.expect("SUMO answers");
+                Driver::Bare(Box::new(Bare::new(client, kind == Kind::BareSubscriptions).await))
+            }
             Kind::Ideal | Kind::Adaptive | Kind::AdaptiveAvx2 => {
                 let client = process.connect(PATIENCE).await.expect("SUMO answers");
                 Driver::Ours(Box::new(ours(kind, client, config, step_s).await))
@@ -102,8 +114,24 @@ impl Loop {
         Self { kind, driver, sumo: process }
     }
 
-    /// Makes steps; the seconds they took.
-    pub async fn steps(&mut self, count: u32) -> f64 {
+    /// Makes steps; the seconds that passed, and the processor's of SUMO and its client together.
+    pub async fn turn(&mut self, count: u32) -> [f64; 2] {
+        let before_s = self.processor_s();
+        let passed_s = self.steps(count).await;
+        [passed_s, self.processor_s() - before_s]
+    }
+
+    /// Processor time so far of SUMO and of its client [s]. Ours is this process.
+    fn processor_s(&self) -> f64 {
+        let client = match &self.driver {
+            Driver::Python(child, _) => child.id(),
+            _ => std::process::id(),
+        };
+        [Some(client), self.sumo.id()].into_iter().flatten().map(processor_s).sum()
+    }
+
+    /// Makes steps; the seconds that passed.
+    async fn steps(&mut self, count: u32) -> f64 {
         let begin = Instant::now();
         match &mut self.driver {
             Driver::Plain(client, batch) => {
@@ -117,6 +145,11 @@ impl Loop {
                     // Whoever runs a world takes these in every step.
                     world.state.finished.clear();
                     world.state.admitted.clear();
+                }
+            }
+            Driver::Bare(bare) => {
+                for _ in 0..count {
+                    bare.step().await;
                 }
             }
             Driver::Python(child, answers) => {
@@ -138,6 +171,7 @@ impl Loop {
     /// Leaves SUMO.
     pub async fn end(self) {
         match self.driver {
+            Driver::Bare(bare) => bare.client.close().await.expect("SUMO closes"),
             Driver::Plain(client, _) => client.close().await.expect("SUMO closes"),
             Driver::Ours(world) => drop(world.close().await.expect("SUMO closes")),
             Driver::Python(mut child, _) => {
@@ -179,4 +213,12 @@ fn answer(answers: &mut BufReader<std::process::ChildStdout>) -> String {
     let length = answers.read_line(&mut line).expect("an answer of Python's");
     assert!(length > 0, "the Python loop broke off");
     line.trim().to_owned()
+}
+
+/// Processor time of all threads of a process [s], as Linux counts it; 0 elsewhere.
+fn processor_s(process: u32) -> f64 {
+    let tasks = std::fs::read_dir(format!("/proc/{process}/task")).into_iter().flatten().flatten();
+    let spent = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("schedstat")).ok());
+    let nanoseconds = spent.filter_map(|line| line.split(' ').next()?.parse::<f64>().ok());
+    1e-9 * nanoseconds.sum::<f64>()
 }

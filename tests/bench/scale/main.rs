@@ -10,6 +10,7 @@
 //!
 //! Networks and states are made when needed, below `target/bench`, where `scale.csv` and `scale.svg` are left too.
 
+mod bare;
 mod loops;
 mod plot;
 
@@ -36,6 +37,9 @@ pub struct Figure {
     pub ratio: f64,
     /// Smallest and largest ratio.
     pub range: [f64; 2],
+    /// The same of the processor time that SUMO and its client spend together; what others do on the machine hardly
+    /// changes it, but a second thread does not lower it.
+    pub processor_ratio: f64,
 }
 
 /// What is measured, and how long.
@@ -93,16 +97,10 @@ fn grid(folder: &Path, sumo: &SumoBinary, cars: u32) -> Scene {
         succeed(&mut run);
         std::fs::rename(part, &state).expect("the saved state");
     }
-    let kinds = vec![
-        Kind::Plain,
-        Kind::Ideal,
-        Kind::Adaptive,
-        Kind::AdaptiveAvx2,
-        Kind::PythonSubscriptions,
-        Kind::PythonValues,
-    ];
+    let mut kinds = vec![Kind::Plain, Kind::Ideal, Kind::Adaptive, Kind::AdaptiveAvx2];
+    kinds.extend([Kind::BareSubscriptions, Kind::BareGets, Kind::PythonSubscriptions, Kind::PythonValues]);
     let steps = match cars {
-        0..=1_000 => [20, 10],
+        0..=1_000 => [10, 3],
         1_001..=5_000 => [10, 1],
         _ => [10, 1],
     };
@@ -111,7 +109,7 @@ fn grid(folder: &Path, sumo: &SumoBinary, cars: u32) -> Scene {
         config,
         state: Some(state),
         step_s: 0.1,
-        rounds: if cars > 5_000 { 5 } else { 7 },
+        rounds: if cars > 5_000 { 5 } else { 15 },
         steps,
         kinds,
     }
@@ -152,15 +150,15 @@ async fn measure(scene: &Scene, sumo: &SumoBinary) -> Vec<Figure> {
         std::fs::create_dir(&log).expect("a folder for the log");
         loops.push(Loop::start(*kind, sumo, &scene.config, scene.state.as_deref(), scene.step_s, &log).await);
     }
-    let mut times_ms = vec![Vec::new(); loops.len()];
+    let mut turns = vec![Vec::new(); loops.len()];
     let mut cars = Vec::new();
     // With a state to begin from, the first turn only lets buffers grow.
     for round in 0..scene.rounds + usize::from(scene.state.is_some()) {
-        for (one, times_ms) in loops.iter_mut().zip(&mut times_ms) {
+        for (one, turns) in loops.iter_mut().zip(&mut turns) {
             let steps = scene.steps[usize::from(one.kind == Kind::PythonValues)];
-            let time_ms = 1e3 * one.steps(steps).await / f64::from(steps);
+            let turn = one.turn(steps).await.map(|time_s| 1e3 * time_s / f64::from(steps));
             if round > 0 || scene.state.is_none() {
-                times_ms.push(time_ms);
+                turns.push(turn);
             }
         }
         cars.extend(loops.iter().filter_map(Loop::cars).max());
@@ -169,24 +167,26 @@ async fn measure(scene: &Scene, sumo: &SumoBinary) -> Vec<Figure> {
         one.end().await;
     }
     let cars = cars.iter().map(|n| *n as f64).sum::<f64>() / cars.len() as f64;
-    figures(scene, cars, &times_ms)
+    figures(scene, cars, &turns)
 }
 
-/// Turns times into figures, and prints them.
-fn figures(scene: &Scene, cars: f64, times_ms: &[Vec<f64>]) -> Vec<Figure> {
-    let one = |(kind, times): (&Kind, &Vec<f64>)| {
-        let mut ratios: Vec<f64> = times.iter().zip(&times_ms[0]).map(|(ours, alone)| ours / alone).collect();
-        let mut times = times.clone();
-        let (step_ms, ratio) = (median(&mut times), median(&mut ratios));
-        let range = [ratios[0], ratios[ratios.len() - 1]];
-        let (scene, name) = (scene.name.clone(), kind.name());
+/// Turns times (passed, and the processor's) into figures, and prints them.
+fn figures(scene: &Scene, cars: f64, turns: &[Vec<[f64; 2]>]) -> Vec<Figure> {
+    let one = |(kind, mine): (&Kind, &Vec<[f64; 2]>)| {
+        let ratios = |which: usize| {
+            let mut ratios: Vec<f64> = mine.iter().zip(&turns[0]).map(|(a, b)| a[which] / b[which]).collect();
+            (median(&mut ratios), [ratios[0], ratios[ratios.len() - 1]])
+        };
+        let step_ms = median(&mut mine.iter().map(|turn| turn[0]).collect::<Vec<_>>());
+        let ((ratio, range), (processor_ratio, _)) = (ratios(0), ratios(1));
+        let (scene, name, [low, high]) = (scene.name.clone(), kind.name(), range);
         println!(
-            "{scene:24} {name:22} {cars:7.0} cars {step_ms:10.3} ms/step {ratio:8.2} x SUMO alone ({:.2} to {:.2})",
-            range[0], range[1]
+            "{scene:24} {name:20} {cars:6.0} cars {step_ms:9.3} ms/step {ratio:6.2} x SUMO alone \
+             ({low:.2} to {high:.2}), processor {processor_ratio:6.2} x"
         );
-        Figure { scene, name, cars, step_ms, ratio, range }
+        Figure { scene, name, cars, step_ms, ratio, range, processor_ratio }
     };
-    scene.kinds.iter().zip(times_ms).map(one).collect()
+    scene.kinds.iter().zip(turns).map(one).collect()
 }
 
 /// Sorts, too.
@@ -197,10 +197,14 @@ fn median(values: &mut [f64]) -> f64 {
 
 fn write_csv(path: &Path, figures: &[Figure]) -> std::io::Result<()> {
     let mut out = std::fs::File::create(path)?;
-    writeln!(out, "scene,loop,cars,step_ms,ratio,ratio_min,ratio_max")?;
+    writeln!(out, "scene,loop,cars,step_ms,ratio,ratio_min,ratio_max,processor_ratio")?;
     for f in figures {
         let [low, high] = f.range;
-        writeln!(out, "{:?},{},{:.0},{:.4},{:.3},{low:.3},{high:.3}", f.scene, f.name, f.cars, f.step_ms, f.ratio)?;
+        writeln!(
+            out,
+            "{:?},{},{:.0},{:.4},{:.3},{low:.3},{high:.3},{:.3}",
+            f.scene, f.name, f.cars, f.step_ms, f.ratio, f.processor_ratio
+        )?;
     }
     Ok(())
 }
