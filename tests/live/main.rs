@@ -8,3 +8,4 @@ mod foreign;
 mod identical;
 mod lifecycle;
 mod support;
+mod tyres;
