@@ -23,7 +23,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// How long the step test lasts here [s].
+/// How long the step test lasts here \[s\].
 const STEP_S: f64 = 60.0;
 /// The laws on the map.
 pub const LAWS: [&str; 3] = ["classic", "adaptive", "pid"];
@@ -32,7 +32,7 @@ const HEADER: &str = "controller,period_s,gain_1,gain_2,scale,limit_mps2,delay_s
 /// The axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Control periods Δt [s].
+    /// Control periods Δt \[s\].
     pub periods_s: Vec<f64>,
     /// K_P of the model-free laws, k_p of the PID [1/s].
     pub gains: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Grid {
     pub factors: Vec<f64>,
     /// Torque limits as accelerations [m/s²].
     pub limits_mps2: Vec<f64>,
-    /// Delays [s].
+    /// Delays \[s\].
     pub delays_s: Vec<f64>,
 }
 
@@ -96,7 +96,7 @@ struct Job {
 pub struct Cell {
     /// The law.
     pub controller: &'static str,
-    /// Δt [s].
+    /// Δt \[s\].
     pub period_s: f64,
     /// K_P or k_p.
     pub gain_1: f64,
@@ -106,7 +106,7 @@ pub struct Cell {
     pub scale: f64,
     /// Torque limit [m/s²].
     pub limit_mps2: f64,
-    /// Delay [s].
+    /// Delay \[s\].
     pub delay_s: f64,
     /// RMS error on the recording with noise [m/s]; none if it diverged.
     pub error_rms: Option<f64>,
