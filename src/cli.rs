@@ -55,10 +55,10 @@ pub struct ScenarioArgs {
     /// Seed of SUMO and of everything drawn here
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<String>,
-    /// Simulation time at which the run ends [s]
+    /// Simulation time at which the run ends \[s\]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     end: Option<String>,
-    /// SUMO's step length [s]
+    /// SUMO's step length \[s\]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     step_length: Option<String>,
     /// Any other key of the scenario, by its TOML path: controller.k_p=1.2
@@ -67,7 +67,7 @@ pub struct ScenarioArgs {
     /// Trace these vehicles (ids separated by commas) or all
     #[arg(long, value_name = "IDS|all")]
     trace: Option<String>,
-    /// Time between rows of the trace [s]
+    /// Time between rows of the trace \[s\]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     trace_period: Option<String>,
     /// Name of the table of vehicles; .csv, .parquet or .xml chooses the format

@@ -81,9 +81,9 @@ pub enum CosimError {
     /// SUMO's step is not a whole number of control periods.
     #[error("SUMO steps by {step_s} s, which is not a whole number of control periods of {period_s} s")]
     Step {
-        /// SUMO's step [s].
+        /// SUMO's step \[s\].
         step_s: f64,
-        /// Control period [s].
+        /// Control period \[s\].
         period_s: f64,
     },
 }
@@ -185,7 +185,7 @@ impl World {
         })
     }
 
-    /// The end that SUMO's configuration asks for [s]; negative without one.
+    /// The end that SUMO's configuration asks for \[s\]; negative without one.
     ///
     /// # Errors
     /// If SUMO does not answer.

@@ -1,7 +1,7 @@
 //! The closed loop on columns: the only place where plant, controller, measurement and statistics meet.
 //!
 //! One control period of one block, in order: measure -> law -> actuators -> steer -> body -> standstill -> statistics
-//! ([`block::Block::period`]). A [`Fleet`] is many blocks; every block belongs to one group of vehicles that share a
+//! (`Block::period`). A [`Fleet`] is many blocks; every block belongs to one group of vehicles that share a
 //! controller and a target. Blocks know nothing of each other, so they may advance on any number of threads and the
 //! results stay the same to the last bit.
 
@@ -44,9 +44,9 @@ impl Slot {
 /// The actuators between command and wheels, for one vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ActuatorSetup {
-    /// Dead time of the torque [s].
+    /// Dead time of the torque \[s\].
     pub dead_time_s: f64,
-    /// First-order lag of the torque [s].
+    /// First-order lag of the torque \[s\].
     pub lag_s: f64,
 }
 
@@ -71,7 +71,7 @@ pub struct VehicleSetup {
 pub struct GroupSetup {
     /// Makes the controller of one block.
     pub controller: Box<dyn Fn() -> Box<dyn Controller> + Send + Sync>,
-    /// Largest dead time that a vehicle of this group may have [s].
+    /// Largest dead time that a vehicle of this group may have \[s\].
     pub dead_time_max_s: f64,
 }
 
@@ -84,7 +84,7 @@ struct Group {
 pub struct Clockwork {
     /// The plant model.
     pub plant: Box<dyn Plant>,
-    /// Control period [s].
+    /// Control period \[s\].
     pub period_s: f64,
     /// The reference's memory is kept within this of the plant's speed [m/s].
     pub lead_mps: f64,
@@ -136,7 +136,7 @@ impl Fleet {
         FleetTime { control, plant, statistics }
     }
 
-    /// Control period [s].
+    /// Control period \[s\].
     pub fn period_s(&self) -> f64 {
         self.clockwork.period_s
     }

@@ -137,7 +137,7 @@ pub enum PaperError {
     /// The scenario.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scenario(#[from] ScenarioError),
+    Scenario(Box<ScenarioError>),
     /// The profile.
     #[error("[target]: {0}")]
     Reference(#[from] ReferenceError),
@@ -146,7 +146,19 @@ pub enum PaperError {
     Vehicle(#[from] CosimError),
     /// A name of a registry, a plant or controller.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(Box<RunError>),
+}
+
+impl From<ScenarioError> for PaperError {
+    fn from(error: ScenarioError) -> Self {
+        Self::Scenario(Box::new(error))
+    }
+}
+
+impl From<RunError> for PaperError {
+    fn from(error: RunError) -> Self {
+        Self::Run(Box::new(error))
+    }
 }
 
 impl PaperError {
@@ -184,7 +196,8 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
         let results = Results { rows: whole.rows.clone() };
         whole.extend(law::run(&lab, presets[0], &results)?);
     }
-    if request.test == "map" {
+    // A map that is there already costs nothing to show again.
+    if request.test == "map" || request.test == "all" && request.out_dir.join("map.csv").is_file() {
         whole.extend(map(request, &lab, presets[0])?);
     }
     write_all(request, &lab, &presets, whole)

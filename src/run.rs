@@ -34,7 +34,7 @@ const LAST_OUTPUTS: Duration = Duration::from_secs(120);
 const REACH: Duration = Duration::from_secs(10);
 /// How long a step that is under way may take after a signal; SUMO may be waiting for another client.
 const LAST_STEP: Duration = Duration::from_secs(3);
-/// A configuration without an end runs this long if nobody ever arrives [s].
+/// A configuration without an end runs this long if nobody ever arrives \[s\].
 const ENDLESS_S: f64 = 3600.0;
 
 /// How a run is carried out; nothing here changes its result.
@@ -143,7 +143,7 @@ pub enum RunError {
     /// A run that broke off; what was computed is in the folder.
     #[error("the run broke off at {time_s} s; what was computed until then is in {}, marked incomplete", .dir.display())]
     Broken {
-        /// Simulation time [s].
+        /// Simulation time \[s\].
         time_s: f64,
         /// The folder.
         dir: PathBuf,
@@ -352,9 +352,8 @@ impl<'a> Run<'a> {
 
     /// Writes the result: tables, summary, manifest. If that fails, the manifest says so as long as it can be written.
     fn write(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
-        self.write_files(state, writers, broken.clone()).map_err(|error| {
+        self.write_files(state, writers, broken.clone()).inspect_err(|error| {
             let _ = self.dir.finish(&mut self.manifest, Some(broken.unwrap_or_else(|| error.to_string())));
-            error
         })
     }
 

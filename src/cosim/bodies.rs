@@ -14,15 +14,15 @@ use crate::scenario::Group;
 pub struct TypeFacts {
     /// vClass.
     pub class: String,
-    /// Length [m].
+    /// Length \[m\].
     pub length_m: f64,
-    /// Mass [kg]; SUMO before 1.21 does not tell one.
+    /// Mass \[kg\]; SUMO before 1.21 does not tell one.
     pub mass_kg: Option<f64>,
     /// Largest acceleration [m/s²].
     pub accel_mps2: f64,
     /// Hardest braking [m/s²].
     pub emergency_decel_mps2: f64,
-    /// `mfc.*` parameters, by key of [`PARAMETERS`].
+    /// `mfc.*` parameters, by index of [`parameter_keys`].
     pub parameters: Vec<(usize, String)>,
     /// `has.mfc.device`.
     pub equipped: Option<bool>,
@@ -46,7 +46,7 @@ const ACTUATOR_KEYS: &[Key] = &[
     },
 ];
 
-/// Largest dead time that a vehicle parameter may ask for [s].
+/// Largest dead time that a vehicle parameter may ask for \[s\].
 pub const DEAD_TIME_MAX_S: f64 = 5.0;
 
 /// All keys that a vehicle or vType may carry as `mfc.<key>`.

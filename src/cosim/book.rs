@@ -50,7 +50,7 @@ pub struct Ego {
     pub group: usize,
     /// Place in the fleet.
     pub slot: Slot,
-    /// Time of departure [s].
+    /// Time of departure \[s\].
     pub depart_s: f64,
     /// The command that is sent in every step, all but its numbers.
     pub prefix: Prefix,
@@ -58,11 +58,11 @@ pub struct Ego {
     pub presence: Presence,
     /// True once SUMO has teleported it.
     pub teleported: bool,
-    /// SUMO's odometer minus the plant's when the ego was admitted [m].
+    /// SUMO's odometer minus the plant's when the ego was admitted \[m\].
     pub odometer_offset_m: f64,
-    /// The plant's odometer at the end of SUMO's last step; a leading plant is one step ahead of it [m].
+    /// The plant's odometer at the end of SUMO's last step; a leading plant is one step ahead of it \[m\].
     pub distance_m: f64,
-    /// SUMO's odometer minus the plant's, as last read [m].
+    /// SUMO's odometer minus the plant's, as last read \[m\].
     pub odometer_gap_m: Option<f64>,
     /// Index of the road it was last seen on, in the world's table of roads.
     pub edge: Option<u32>,

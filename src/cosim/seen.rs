@@ -19,7 +19,7 @@ pub(super) enum Seen<'a> {
 pub(super) struct Values<'a> {
     /// Speed [m/s].
     pub speed: Option<f64>,
-    /// Heading, clockwise from north [degrees].
+    /// Heading, clockwise from north \[degrees\].
     pub angle: Option<f64>,
     /// Lane; only asked for of leading egos.
     pub lane: Option<&'a str>,

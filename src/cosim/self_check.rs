@@ -15,19 +15,19 @@ pub const FILES: [(&str, &str); 3] = [
 
 const EGOS: [&str; 2] = ["classic", "adaptive"];
 const PLAIN: &str = "plain";
-/// The scenario's numbers: time at which the lights turn green and the end [s], place of the light [m].
+/// The scenario's numbers: time at which the lights turn green and the end \[s\], place of the light \[m\].
 const GREEN_S: f64 = 30.0;
 const END_S: f64 = 45.0;
 const LIGHT_M: f64 = 300.0;
 /// What SUMO's driver may gain in a second [m/s²], below this speed for sure [m/s].
 const ACCEL_MPS2: f64 = 2.6;
 const FREE_MPS: f64 = 15.0;
-/// Speed at which the egos are compared with `plain` [m/s], and how much later they may reach it [s].
+/// Speed at which the egos are compared with `plain` [m/s], and how much later they may reach it \[s\].
 const COMPARED_MPS: f64 = 18.0;
 const LATER_S: f64 = 0.3;
-/// How long before green the cars have to stand [s].
+/// How long before green the cars have to stand \[s\].
 const STANDING_S: f64 = 2.0;
-/// Largest difference between SUMO's odometer and the body's [m].
+/// Largest difference between SUMO's odometer and the body's \[m\].
 const GAP_M: f64 = 0.1;
 /// How exactly SUMO's next speed has to follow from the body's: rounding, nothing more [m/s].
 const EXACT_MPS: f64 = 1e-6;
@@ -125,7 +125,7 @@ impl World {
     }
 }
 
-/// The first time after `from_s` at which the compared speed is reached [s].
+/// The first time after `from_s` at which the compared speed is reached \[s\].
 fn time_of(mut speeds: impl Iterator<Item = (f64, f64)>, from_s: f64) -> Option<f64> {
     speeds.find(|(time_s, speed_mps)| *time_s > from_s && *speed_mps >= COMPARED_MPS).map(|(time_s, _)| time_s)
 }

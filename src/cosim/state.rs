@@ -24,17 +24,17 @@ pub struct Finished {
     pub type_id: String,
     /// Index of its group.
     pub group: usize,
-    /// Time of departure [s].
+    /// Time of departure \[s\].
     pub depart_s: f64,
-    /// End of the step in which it arrived [s].
+    /// End of the step in which it arrived \[s\].
     pub arrival_s: Option<f64>,
     /// Why the record ends.
     pub reason: Reason,
     /// Its statistics.
     pub stats: VehicleStats,
-    /// ∫V_x dt [m].
+    /// ∫V_x dt \[m\].
     pub distance_m: f64,
-    /// SUMO's odometer minus that [m].
+    /// SUMO's odometer minus that \[m\].
     pub odometer_gap_m: Option<f64>,
     /// Number of pairs of colliding vehicles that it was in.
     pub collisions: u32,
@@ -78,9 +78,9 @@ pub struct State {
     pub fleet: Fleet,
     /// Who is on the road.
     pub book: Book,
-    /// Simulation time at the end of the last step [s].
+    /// Simulation time at the end of the last step \[s\].
     pub time_s: f64,
-    /// SUMO's step [s].
+    /// SUMO's step \[s\].
     pub step_s: f64,
     /// Vehicles that SUMO still expects.
     pub expected: i32,
@@ -120,7 +120,7 @@ pub struct State {
 }
 
 impl State {
-    /// An empty fleet beside a SUMO at `time_s` with steps of `step_s` [s].
+    /// An empty fleet beside a SUMO at `time_s` with steps of `step_s` \[s\].
     ///
     /// # Errors
     /// If the step is not a whole number of control periods.

@@ -252,7 +252,7 @@ impl Block {
         self.acceleration_mps2[lane]
     }
 
-    /// ∫V_x dt since departure [m].
+    /// ∫V_x dt since departure \[m\].
     pub fn distance_m(&self, lane: usize) -> f64 {
         self.plant.distance_m[lane]
     }

@@ -8,7 +8,7 @@ use crate::lanes::{LANES, Lanes};
 use crate::plant::trig::{Polynomial, Trig};
 use multiversion::multiversion;
 
-/// Length constant of the curvature filter [m].
+/// Length constant of the curvature filter \[m\].
 pub const SMOOTHING_M: f64 = 3.0;
 /// Below this speed the wheels point straight ahead [m/s].
 pub const STRAIGHT_BELOW_MPS: f64 = 0.5;
@@ -22,7 +22,7 @@ pub struct Steering {
     /// Curvature at the start and at the end of the running step [1/m], left positive.
     from_per_m: Lanes,
     to_per_m: Lanes,
-    /// Last heading [rad], left positive; NaN before the first.
+    /// Last heading \[rad\], left positive; NaN before the first.
     heading_rad: Lanes,
     /// Metres driven since the last heading.
     driven_m: Lanes,
@@ -46,7 +46,7 @@ impl Default for Steering {
 }
 
 impl Steering {
-    /// Prepares a slot for a body: wheelbase [m], understeer gradient [rad per m/s²], friction coefficient.
+    /// Prepares a slot for a body: wheelbase \[m\], understeer gradient [rad per m/s²], friction coefficient.
     pub fn set(&mut self, lane: usize, wheelbase_m: f64, understeer_s2_per_m: f64, friction: f64) {
         self.wheelbase_m[lane] = wheelbase_m;
         self.understeer_s2_per_m[lane] = understeer_s2_per_m;
@@ -87,7 +87,7 @@ impl Steering {
         self.to_per_m[lane] = curvature_per_m;
     }
 
-    /// Road wheel angles at `share` of the step, for the speeds of the block [rad].
+    /// Road wheel angles at `share` of the step, for the speeds of the block \[rad\].
     pub fn angles_rad(&self, share: f64, speed_mps: &Lanes, out: &mut Lanes) {
         angles_rad(self, share, speed_mps, out);
     }

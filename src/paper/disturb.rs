@@ -10,9 +10,9 @@ use crate::control::CONTROLLERS;
 use crate::fleet::block::Block;
 use crate::plant::Body;
 
-/// Length of the test [m].
+/// Length of the test \[m\].
 const LENGTH_M: f64 = 600.0;
-/// Where the disturbance sets in [m].
+/// Where the disturbance sets in \[m\].
 const FROM_M: f64 = 200.0;
 /// Seeds of the noise, per disturbance.
 const SEEDS: usize = 20;

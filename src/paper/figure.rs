@@ -89,8 +89,11 @@ pub struct Bars<'a> {
     /// Label of the axis of values.
     pub unit: &'a str,
     /// A label and its bars: class and value.
-    pub groups: Vec<(String, Vec<(&'static str, Option<f64>)>)>,
+    pub groups: Vec<(String, Vec<Bar>)>,
 }
+
+/// The class of a bar and its value.
+pub type Bar = (&'static str, Option<f64>);
 
 /// One axis: from values to places in the drawing.
 struct Scale {
@@ -148,7 +151,7 @@ impl Figure {
     pub fn bars(name: &str, bars: &Bars) -> Self {
         const BAR: f64 = 8.0;
         const LABELS: f64 = 170.0;
-        let group_height = |bars: &[(&str, Option<f64>)]| bars.len() as f64 * BAR + 10.0;
+        let group_height = |bars: &[Bar]| bars.len() as f64 * BAR + 10.0;
         let height = TOP + BOTTOM + bars.groups.iter().map(|(_, b)| group_height(b)).sum::<f64>();
         let values = bars.groups.iter().flat_map(|(_, b)| b.iter().filter_map(|(_, value)| *value));
         let x = Scale::new(values.chain([0.0]), LABELS, WIDTH - RIGHT - 40.0, 0.0);

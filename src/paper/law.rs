@@ -9,7 +9,7 @@ use super::world::{End, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError};
 use crate::scenario::Override;
 
-/// Room for the slowest loop's first overshoot [m].
+/// Room for the slowest loop's first overshoot \[m\].
 const LENGTH_M: f64 = 1500.0;
 const TARGET_MPS: f64 = 10.0;
 /// Torque scale over α: small enough for the law's limit.
@@ -18,17 +18,17 @@ const RATIO: f64 = 0.004;
 /// One pair of step tests: what it is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Control period Δt [s].
+    /// Control period Δt \[s\].
     pub period_s: f64,
-    /// Window T [s].
+    /// Window T \[s\].
     pub window_s: f64,
     /// K_P [1/s].
     pub k_p: f64,
-    /// Mass [kg].
+    /// Mass \[kg\].
     pub mass_kg: f64,
     /// Torque limit as an acceleration [m/s²].
     pub limit_mps2: f64,
-    /// α_nominal; b is [`RATIO`] times this.
+    /// α_nominal; b is `RATIO` times this.
     pub alpha: f64,
 }
 

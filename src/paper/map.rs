@@ -17,13 +17,13 @@ use crate::scenario::Override;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-/// How long the step test lasts here [s].
+/// How long the step test lasts here \[s\].
 const STEP_S: f64 = 60.0;
 /// The laws on the map.
 pub const LAWS: [&str; 3] = ["classic", "adaptive", "pid"];
@@ -32,7 +32,7 @@ const HEADER: &str = "controller,period_s,gain_1,gain_2,scale,limit_mps2,delay_s
 /// The axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// Control periods Δt [s].
+    /// Control periods Δt \[s\].
     pub periods_s: Vec<f64>,
     /// K_P of the model-free laws, k_p of the PID [1/s].
     pub gains: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Grid {
     pub factors: Vec<f64>,
     /// Torque limits as accelerations [m/s²].
     pub limits_mps2: Vec<f64>,
-    /// Delays [s].
+    /// Delays \[s\].
     pub delays_s: Vec<f64>,
 }
 
@@ -96,7 +96,7 @@ struct Job {
 pub struct Cell {
     /// The law.
     pub controller: &'static str,
-    /// Δt [s].
+    /// Δt \[s\].
     pub period_s: f64,
     /// K_P or k_p.
     pub gain_1: f64,
@@ -106,7 +106,7 @@ pub struct Cell {
     pub scale: f64,
     /// Torque limit [m/s²].
     pub limit_mps2: f64,
-    /// Delay [s].
+    /// Delay \[s\].
     pub delay_s: f64,
     /// RMS error on the recording with noise [m/s]; none if it diverged.
     pub error_rms: Option<f64>,
@@ -122,7 +122,7 @@ pub fn run(lab: &Lab, preset: &Preset, dir: &Path, grid: &Grid, progress: bool) 
     let jobs = jobs(grid);
     let file = dir.join("map.csv");
     let key = key(lab, preset, grid)?;
-    let part = Part::open(&file, &key)?;
+    let part = Part::open(&file, &key, grid)?;
     let done: BTreeSet<String> = part.cells.iter().map(Cell::job).collect();
     let left: Vec<&Job> = jobs.iter().filter(|job| !done.contains(&job.name())).collect();
     let bar = if progress { ProgressBar::new(left.len() as u64) } else { ProgressBar::hidden() };
@@ -296,6 +296,22 @@ fn key(lab: &Lab, preset: &Preset, grid: &Grid) -> Result<String, PaperError> {
     Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
+/// The cells of all whole jobs in a file. A job or line that was cut off by the end of its program is not taken.
+fn finished(text: &str, grid: &Grid) -> Vec<Cell> {
+    let lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
+    let mut cells: Vec<Cell> = lines.filter_map(|line| Cell::read(line.trim_end())).collect();
+    let mut counts = BTreeMap::new();
+    for cell in &cells {
+        *counts.entry(cell.job()).or_insert(0) += 1;
+    }
+    let whole = |cell: &Cell| {
+        let scales = if cell.controller == "pid" { &grid.factors } else { &grid.scales };
+        scales.len() * grid.limits_mps2.len() * grid.delays_s.len()
+    };
+    cells.retain(|cell| counts[&cell.job()] == whole(cell));
+    cells
+}
+
 /// The file of finished jobs.
 struct Part {
     path: PathBuf,
@@ -305,15 +321,13 @@ struct Part {
 
 impl Part {
     /// Takes over what an earlier call with the same key finished, whole or not.
-    fn open(whole: &Path, key: &str) -> Result<Self, PaperError> {
+    fn open(whole: &Path, key: &str, grid: &Grid) -> Result<Self, PaperError> {
         let path = whole.with_extension("csv.part");
         let mut cells = Vec::new();
         for old in [whole, &path] {
             let Ok(text) = std::fs::read_to_string(old) else { continue };
             if text.starts_with(&format!("# {key}\n")) {
-                // A line that was cut off by the end of its program is not taken.
-                let lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
-                cells = lines.filter_map(|line| Cell::read(line.trim_end())).collect();
+                cells = finished(&text, grid);
             }
         }
         let text: String = cells.iter().map(Cell::line).collect();

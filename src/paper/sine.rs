@@ -7,9 +7,9 @@ use super::series::Series;
 use super::world::{End, Moment, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
 
-/// Length of the test [m].
+/// Length of the test \[m\].
 const LENGTH_M: f64 = 1000.0;
-/// The first oscillation: from the start to here [m].
+/// The first oscillation: from the start to here \[m\].
 const FIRST_M: f64 = 200.0;
 /// The error has converged when it stays below this share of the reference.
 const BAND: f64 = 0.05;

@@ -7,7 +7,7 @@ use super::series::Series;
 use super::world::{End, Moment, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
 
-/// Length of the test [m].
+/// Length of the test \[m\].
 pub const LENGTH_M: f64 = 600.0;
 /// The band in which a step has settled, relative to its height.
 pub const BAND: f64 = 0.02;
@@ -15,9 +15,9 @@ pub const BAND: f64 = 0.02;
 /// A constant target on a stretch of road.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plateau {
-    /// Where it begins [m].
+    /// Where it begins \[m\].
     pub from_m: f64,
-    /// Where the next one does [m].
+    /// Where the next one does \[m\].
     pub to_m: f64,
     /// The target [m/s].
     pub target_mps: f64,
@@ -34,7 +34,7 @@ pub struct Response {
     pub settling_m: Option<f64>,
 }
 
-/// The response of a vehicle, given its places [m] and speeds [m/s], to a step upwards.
+/// The response of a vehicle, given its places \[m\] and speeds [m/s], to a step upwards.
 pub fn response(path: &[(f64, f64)], plateau: &Plateau) -> Response {
     let on = path.iter().filter(|(s, _)| (plateau.from_m..plateau.to_m).contains(s));
     let (mut over, mut under, mut reached, mut settled) = (0.0_f64, 0.0_f64, false, None);

@@ -13,7 +13,7 @@ use crate::stats::VehicleStats;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Nobody drives longer than this [s].
+/// Nobody drives longer than this \[s\].
 const PATIENCE_S: f64 = 7200.0;
 
 /// When a vehicle is done.
@@ -28,9 +28,9 @@ pub enum End {
 /// A vehicle at the end of a control period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// Since its start [s].
+    /// Since its start \[s\].
     pub time_s: f64,
-    /// Driven [m].
+    /// Driven \[m\].
     pub distance_m: f64,
     /// y_r [m/s].
     pub reference_mps: f64,

@@ -1,4 +1,4 @@
-//! The 7-DoF model of Polack et al. 2017, §3.1: V_x, V_y, ψ̇ and four wheel speeds, Magic Formula tyres both ways.
+//! The 7-DoF model of Polack et al. 2017, §4.1: V_x, V_y, ψ̇ and four wheel speeds, Magic Formula tyres both ways.
 //!
 //! # Frames and signs
 //! ISO 8855: x forward, y left, z up; ψ̇ and the steer angle δ positive to the left. Wheels: front left, front right,
@@ -9,10 +9,10 @@
 //! slip ratio                  τ_i = (r ω_i − V_i)/max(|r ω_i|, |V_i|), within ±1
 //! slip angle of an axle       α   = atan(−n·v/|e·v|), v = (V_x, V_y + x ψ̇): δ − atan2(V_y + x ψ̇, V_x) for V_x > 0
 //! tyre forces                 F_xp,i = D_i·shape(τ_i),  F_yp,i = g·D_i·shape(α),  D_i = μ_i F_z,i,  g = 1 unless the body says so
-//! M (V̇_x − ψ̇ V_y) = ΣF_x                                                    (paper, eq. 1)
-//! M (V̇_y + ψ̇ V_x) = ΣF_y                                                    (eq. 2)
-//! I_z ψ̈ = l_f F_yf − l_r F_yr − Σ y_i F_x,i                                    (eq. 3; the sum is 0 for w = 0)
-//! I_r ω̇_i = C_mi − C_fi − r F_xp,i                                             (eq. 4)
+//! M (V̇_x − ψ̇ V_y) = ΣF_x                                                    (paper, eq. 12)
+//! M (V̇_y + ψ̇ V_x) = ΣF_y                                                    (eq. 13)
+//! I_z ψ̈ = l_f F_yf − l_r F_yr − Σ y_i F_x,i                                    (eq. 14; the sum is 0 for w = 0)
+//! I_r ω̇_i = C_mi − C_fi − r F_xp,i                                             (eq. 15)
 //! ```
 //! The paper's slip ratio names V_x; it is the hub's speed along the wheel, which only a steered wheel tells apart, and
 //! with it no tyre can feed energy into the body. The one formula for τ equals the paper's two: the larger of |rω| and

@@ -1,4 +1,4 @@
-//! Pacejka's Magic Formula in its easiest form and the identification of its constants (Polack et al. 2017, §3.1.2).
+//! Pacejka's Magic Formula in its easiest form and the identification of its constants (Polack et al. 2017, §4.1.2).
 
 use std::f64::consts::PI;
 

@@ -333,7 +333,7 @@ impl Batch {
     }
 
     /// Subscribes to variables of an object: their values come with the reply to this batch and with every step from
-    /// then on. `begin_s` is the present simulation time [s]; with SUMO's "from the beginning" each new subscription
+    /// then on. `begin_s` is the present simulation time \[s\]; with SUMO's "from the beginning" each new subscription
     /// would cost time proportional to all others.
     ///
     /// Many variables of one vehicle may become several commands (SUMO ends itself when the texts about an unknown
@@ -416,7 +416,7 @@ impl Batch {
         self.step_until(0.0)
     }
 
-    /// Steps until the simulation time is at least `time_s` [s] (not at all if it already is; 0 makes one step); ends
+    /// Steps until the simulation time is at least `time_s` \[s\] (not at all if it already is; 0 makes one step); ends
     /// the batch.
     ///
     /// # Errors

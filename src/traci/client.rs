@@ -251,7 +251,7 @@ impl Client {
         self.single(|batch| Ok(batch.set(variable, id, value)?)).await.map(|_| ())
     }
 
-    /// Subscribes to variables of an object from `begin_s` = the present simulation time [s] on; see
+    /// Subscribes to variables of an object from `begin_s` = the present simulation time \[s\] on; see
     /// [`Batch::subscribe`]. The reply holds the present values.
     ///
     /// # Errors
@@ -282,7 +282,7 @@ impl Client {
         self.single(|batch| Ok(batch.step()?)).await.map(|(_, reply)| reply)
     }
 
-    /// Steps until the simulation time is at least `time_s` [s].
+    /// Steps until the simulation time is at least `time_s` \[s\].
     ///
     /// # Errors
     /// As [`Client::set`].

@@ -133,7 +133,7 @@ records! {
     Leader {
         /// Its id.
         id: String,
-        /// Gap to it without the minimum gap [m].
+        /// Gap to it without the minimum gap \[m\].
         gap_m: f64,
     };
 
@@ -143,7 +143,7 @@ records! {
         id: String,
         /// The signal that is for this vehicle.
         index: i32,
-        /// Distance to the line [m].
+        /// Distance to the line \[m\].
         distance_m: f64,
         /// Its state as in SUMO's programs (`r`, `y`, `g`, `G`, ...).
         state: char,
@@ -153,15 +153,15 @@ records! {
     NextStop {
         /// Lane.
         lane: String,
-        /// End of the stop on the lane [m].
+        /// End of the stop on the lane \[m\].
         end_m: f64,
         /// Stopping place, if any.
         place: String,
         /// Stop flags.
         flags: i32,
-        /// Duration [s].
+        /// Duration \[s\].
         duration_s: Option<f64>,
-        /// Earliest end [s].
+        /// Earliest end \[s\].
         until_s: Option<f64>,
     } list;
 
@@ -169,23 +169,23 @@ records! {
     StopData {
         /// Lane.
         lane: String,
-        /// End of the stop on the lane [m].
+        /// End of the stop on the lane \[m\].
         end_m: f64,
         /// Stopping place, if any.
         place: String,
         /// Stop flags.
         flags: i32,
-        /// Duration [s].
+        /// Duration \[s\].
         duration_s: Option<f64>,
-        /// Earliest end [s].
+        /// Earliest end \[s\].
         until_s: Option<f64>,
-        /// Begin of the stop on the lane [m].
+        /// Begin of the stop on the lane \[m\].
         start_m: f64,
-        /// Arrival by the schedule [s].
+        /// Arrival by the schedule \[s\].
         intended_arrival_s: Option<f64>,
-        /// Arrival [s].
+        /// Arrival \[s\].
         arrival_s: Option<f64>,
-        /// Departure [s].
+        /// Departure \[s\].
         depart_s: Option<f64>,
         /// Train to split off.
         split: String,
@@ -217,7 +217,7 @@ records! {
         state: String,
         /// Direction (`s`, `l`, `r`, `t`, ...).
         direction: String,
-        /// Length inside the junction [m].
+        /// Length inside the junction \[m\].
         length_m: f64,
     } list;
 
@@ -225,13 +225,13 @@ records! {
     JunctionFoe {
         /// Its id.
         id: String,
-        /// Own distance to the crossing point [m].
+        /// Own distance to the crossing point \[m\].
         distance_m: f64,
-        /// Its distance to the crossing point [m].
+        /// Its distance to the crossing point \[m\].
         foe_distance_m: f64,
-        /// Own distance to leaving the crossing [m].
+        /// Own distance to leaving the crossing \[m\].
         exit_distance_m: f64,
-        /// Its distance to leaving the crossing [m].
+        /// Its distance to leaving the crossing \[m\].
         foe_exit_distance_m: f64,
         /// Own lane there.
         lane: String,
@@ -247,9 +247,9 @@ records! {
     BestLane {
         /// The lane.
         lane: String,
-        /// Length that can be driven without lane change [m].
+        /// Length that can be driven without lane change \[m\].
         length_m: f64,
-        /// Vehicles in the way, as length [m].
+        /// Vehicles in the way, as length \[m\].
         occupation_m: f64,
         /// Lanes to change to the best lane, left positive.
         offset: i8,
@@ -277,7 +277,7 @@ records! {
         kind: String,
         /// Lane.
         lane: String,
-        /// Place on the lane [m].
+        /// Place on the lane \[m\].
         position_m: f64,
     } list;
 
@@ -293,19 +293,19 @@ records! {
         stop: String,
         /// Edges.
         edges: Vec<String>,
-        /// Travel time [s].
+        /// Travel time \[s\].
         travel_time_s: Option<f64>,
         /// Cost as the router sees it.
         cost: Option<f64>,
-        /// Length [m].
+        /// Length \[m\].
         length_m: Option<f64>,
         /// Intended vehicle.
         intended: String,
-        /// Departure [s].
+        /// Departure \[s\].
         depart_s: Option<f64>,
-        /// Begin on the first edge [m].
+        /// Begin on the first edge \[m\].
         depart_position_m: Option<f64>,
-        /// End on the last edge [m].
+        /// End on the last edge \[m\].
         arrival_position_m: Option<f64>,
         /// Description.
         description: String,
@@ -325,7 +325,7 @@ impl FromValue for Option<Leader> {
 pub struct Neighbour {
     /// Its id.
     pub id: String,
-    /// Gap to it [m].
+    /// Gap to it \[m\].
     pub gap_m: f64,
 }
 
@@ -357,13 +357,13 @@ impl FromValue for ControlledLinks {
 /// A phase of a traffic light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phase {
-    /// Duration [s].
+    /// Duration \[s\].
     pub duration_s: Option<f64>,
     /// One character per signal.
     pub state: String,
-    /// Shortest duration of actuated programs [s].
+    /// Shortest duration of actuated programs \[s\].
     pub shortest_s: Option<f64>,
-    /// Longest duration of actuated programs [s].
+    /// Longest duration of actuated programs \[s\].
     pub longest_s: Option<f64>,
     /// Phases that may follow; empty means the next one.
     pub next: Vec<i32>,

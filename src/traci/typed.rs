@@ -243,12 +243,12 @@ impl Shape for Color {
     }
 }
 
-/// A place on a road: edge, distance from its start [m], lane index.
+/// A place on a road: edge, distance from its start \[m\], lane index.
 #[derive(Debug, Clone, Copy)]
 pub struct RoadPosition<'a> {
     /// The edge.
     pub edge: &'a str,
-    /// Distance from its start [m].
+    /// Distance from its start \[m\].
     pub position_m: f64,
     /// Lane, 0 is the outermost.
     pub lane: u8,
@@ -289,7 +289,7 @@ impl Shape for Distance {
     }
 }
 
-/// A plane position x, y [m] as a type of the table.
+/// A plane position x, y \[m\] as a type of the table.
 impl Shape for [f64; 2] {
     type Arg<'a> = [f64; 2];
 

@@ -21,11 +21,11 @@ pub enum Value<'a> {
     Texts(Texts<'a>),
     /// A list of doubles.
     Doubles(Doubles<'a>),
-    /// x, y in the network's coordinates [m].
+    /// x, y in the network's coordinates \[m\].
     Position2([f64; 2]),
-    /// x, y, z in the network's coordinates [m].
+    /// x, y, z in the network's coordinates \[m\].
     Position3([f64; 3]),
-    /// Points x, y [m].
+    /// Points x, y \[m\].
     Polygon(Polygon<'a>),
     /// A colour.
     Color(Color),
@@ -143,7 +143,7 @@ impl Iterator for Doubles<'_> {
     }
 }
 
-/// Points inside a frame: x, y [m].
+/// Points inside a frame: x, y \[m\].
 #[derive(Debug, Clone, Copy)]
 pub struct Polygon<'a>(Reader<'a>);
 

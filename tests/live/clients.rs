@@ -111,3 +111,39 @@ async fn another_client_may_look_on_and_remove_vehicles() {
         assert_eq!(json(&dir.join("run.json"))["status"], "complete");
     }
 }
+
+/// A leading body changes four things on its vehicle, and gives all of them back.
+#[tokio::test]
+async fn a_leading_body_hands_its_vehicle_back_as_it_was() {
+    for version in [NEW, OLD] {
+        let folder = tempfile::tempdir().unwrap();
+        let config = straight_road(folder.path(), &demand());
+        let port = free_port();
+        let sumo = somebodys_sumo(version, &config, port, "2");
+        let dir = folder.path().join("result");
+        let address = format!("127.0.0.1:{port}");
+        let args = ["--connect", &address, "--target", "limit", "--end", "20"];
+        let ours = Running::start(run_command(version, &config, &dir, &args));
+        let mut other = Client::connect(address.clone(), LIMIT).await.unwrap();
+        other.set_order(2).await.unwrap();
+        for _ in 0..40 {
+            other.step().await.unwrap();
+        }
+        let ended = ours.wait();
+        assert_eq!(ended.code, Some(0), "SUMO {version}: {}", ended.stderr);
+        // v2 has departed, but the step in which its body would have taken over never came.
+        for id in ["v0", "v1"] {
+            assert_eq!(other.get(vehicle::ACCEL, id).await.unwrap(), 2.6, "SUMO {version}, {id}");
+            assert_eq!(other.get(vehicle::DECEL, id).await.unwrap(), 4.5, "SUMO {version}, {id}");
+            assert_eq!(other.get(vehicle::SPEED_FACTOR, id).await.unwrap(), 1.0, "SUMO {version}, {id}");
+            assert_eq!(other.get(vehicle::SPEED_MODE, id).await.unwrap(), 31, "SUMO {version}, {id}");
+        }
+        // SUMO drives them again: none keeps the speed that it was given last.
+        for _ in 0..20 {
+            other.step().await.unwrap();
+        }
+        assert!(other.get(vehicle::SPEED, "v0").await.unwrap() <= 20.0 + 1e-9, "SUMO {version}");
+        other.close().await.unwrap();
+        assert_eq!(sumo.wait().code, Some(0), "SUMO {version}");
+    }
+}

@@ -61,8 +61,7 @@ fn obeys_the_light(version: &str, controller: &str, step: &str) {
     let args = ["--controller", controller, "--step-length", step, "--trace", "all"];
     let result = run(version, &own("light"), &args);
     let trace = result.table("trace.csv");
-    let at = |time_s: f64| trace.iter().filter(move |row| number(row, "time") <= time_s);
-    let before = at(120.0).last().unwrap();
+    let before = trace.iter().rfind(|row| number(row, "time") <= 120.0).unwrap();
     assert!(number(before, "distance") < 500.0, "{what}: it is over the line at red");
     assert!(number(before, "distance") > 495.0, "{what}: it creeps or stops {} m from the start", before["distance"]);
     for row in trace.iter().filter(|row| (60.0..=120.0).contains(&number(row, "time"))) {
@@ -110,6 +109,32 @@ fn a_leading_body_is_not_clamped_and_shows_its_overshoot() {
             assert!(number(&row, "odometer_gap").abs() < 0.1, "{what}: odometer gap {} m", row["odometer_gap"]);
             // It really leads: from rest to a step of 10 m/s is an error of 10 m/s.
             assert!(number(&row, "error_max_abs") > 9.0, "{what}: {}", row["error_max_abs"]);
+        }
+    }
+}
+
+/// A profile over the position, driven in SUMO: the body leads along it, whatever the lane's limit.
+#[test]
+fn a_profile_is_driven_without_clamps() {
+    let shapes: [&[&str]; 2] = [
+        &["--set", "target.shape=step", "--set", "target.step_at=0, 300", "--set", "target.step_speeds_mps=10, 25"],
+        &["--set", "target.shape=sine"],
+    ];
+    for version in [NEW, OLD] {
+        for shape in shapes {
+            let what = format!("SUMO {version}, {shape:?}");
+            let result = run(version, &own("straight"), &[&["--target", "profile", "--trace", "all"], shape].concat());
+            let row = result.vehicle("ego");
+            assert_eq!((row["reason"].as_str(), row["clamped_steps"].as_str()), ("arrived", "0"), "{what}");
+            assert_eq!(number(&row, "share_profile"), 1.0, "{what}");
+            assert!(number(&row, "odometer_gap").abs() < 0.1, "{what}: odometer gap {} m", row["odometer_gap"]);
+            let trace = result.table("trace.csv");
+            let fastest = trace.iter().map(|row| number(row, "speed")).fold(0.0, f64::max);
+            assert!(fastest > 19.0, "{what}: {fastest} m/s");
+            let settled: Vec<&Row> = trace.iter().filter(|row| number(row, "distance") > 600.0).collect();
+            let error = |row: &Row| (number(row, "speed") - number(row, "reference")).abs();
+            let worst = settled.iter().map(|row| error(row)).fold(0.0, f64::max);
+            assert!(worst < 0.5, "{what}: {worst} m/s off at the end");
         }
     }
 }

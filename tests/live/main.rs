@@ -9,3 +9,4 @@ mod foreign;
 mod identical;
 mod lifecycle;
 mod support;
+mod tyres;
