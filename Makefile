@@ -4,20 +4,20 @@ SHELL := /bin/bash
 .PHONY: help demo test bench setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,pid
-seeds ?= 1
+seeds ?= 1..3
 
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
 
 demo: ## Every car of a city with a real body: compare four controllers, print one table
 	cargo build --release --locked
-	.ci/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds)
+	.ci/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds) -j 2 --force
 
 test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
 	cargo test --release --locked
 
 bench: ## The benchmarks, one line per figure; the last against real SUMO at up to 20 000 cars (half an hour)
-	tools/with-sumo cargo bench --locked
+	.ci/with-sumo cargo bench --locked
 
 setup: ## Install the pinned SUMO below .sumo/
 	@.ci/install 1.28.0

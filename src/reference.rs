@@ -55,7 +55,7 @@ pub static TARGETS: &[Entry<Build>] = &[
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The file cannot be read.
-    #[error("{}: {source}", .file.display())]
+    #[error("cannot read {}", .file.display())]
     Read {
         /// The file.
         file: PathBuf,

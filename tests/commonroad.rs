@@ -114,7 +114,7 @@ fn multi_body(name: &str) -> Body {
         other => panic!("{other}"),
     };
     let mut body = preset(name);
-    (body.cg_height_m, body.track_width_m, body.combined_slip) = (height_m, track_m, true);
+    (body.cg_height_m, body.track_width_m) = (height_m, track_m);
     let share = [body.rear_axle_m, body.front_axle_m].map(|arm| arm / body.wheelbase_m());
     let here = body.static_load_n();
     for wheel in 0..4 {

@@ -26,6 +26,7 @@ const CARRIED: &[(&str, &str)] = carried![
     "delay.toml",
     "disturb.toml",
     "presets/default.toml",
+    "presets/best.toml",
     "presets/step1.toml",
     "presets/step2.toml",
     "presets/step3.toml",
@@ -62,7 +63,7 @@ pub struct Preset {
 pub struct Library {
     folder: PathBuf,
     sets: Vec<Override>,
-    /// All presets, `default` first.
+    /// All presets, `default` and `best` first.
     pub presets: Vec<Preset>,
 }
 
@@ -80,7 +81,7 @@ impl Library {
         let mut names: Vec<String> = listed
             .filter_map(|entry| Some(entry.ok()?.file_name().to_str()?.strip_suffix(".toml")?.to_owned()))
             .collect();
-        names.sort_by_key(|name| (name != "default", name.clone()));
+        names.sort_by_key(|name| (name != "default", name != "best", name.clone()));
         library.presets = names.into_iter().map(|name| library.preset(name)).collect::<Result<_, _>>()?;
         Ok(library)
     }

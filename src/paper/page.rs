@@ -214,7 +214,12 @@ fn cell(row: &Row, results: &Results) -> String {
 fn value(row: &Row) -> String {
     let digits = if row.unit == "m" { 0 } else { 2 };
     let spread = row.spread.map(|s| format!(" &plusmn; {s:.digits$}")).unwrap_or_default();
-    row.value.map_or("none".to_owned(), |v| format!("{v:.digits$}{spread}"))
+    let rounded = |v: f64| {
+        let text = format!("{v:.digits$}");
+        // No "-0.00".
+        if text.bytes().all(|b| b"-0.".contains(&b)) { text.trim_start_matches('-').to_owned() } else { text }
+    };
+    row.value.map_or("none".to_owned(), |v| format!("{}{spread}", rounded(v)))
 }
 
 /// One test under one preset; the first preset is open.
