@@ -88,7 +88,7 @@ fn grid(folder: &Path, sumo: &SumoBinary, cars: u32) -> Scene {
         let mut make = Command::new(script);
         make.arg(&folder).arg(cars.to_string());
         if let Some(home) = &sumo.home {
-            make.env("MAKE_SUMO_HOME", home);
+            make.env("MAKE_SUMO_HOME", std::path::absolute(home).expect("an absolute path"));
         }
         succeed(&mut make);
         let part = folder.join("part.xml.gz");
