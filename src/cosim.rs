@@ -17,6 +17,7 @@ pub mod bodies;
 pub mod book;
 pub mod lead;
 pub mod newcomers;
+mod roads;
 mod seen;
 pub mod self_check;
 pub mod state;
@@ -143,6 +144,11 @@ pub struct World {
     seed: u64,
     sigma: Option<f64>,
     fault: Fault,
+    /// The message of gets behind the step, and the state of the book that it is for. Empty if SUMO is shared: then
+    /// vehicles are subscribed to. Gets are cheaper for SUMO, but each one for a vehicle that arrived in the step is a
+    /// line on SUMO's console, which then is not ours.
+    gets: Batch,
+    gets_for: u64,
     newcomers: Vec<EgoKey>,
     /// What the replies said, and the fleet that follows them.
     pub state: State,
@@ -180,6 +186,8 @@ impl World {
             seed: setup.seed,
             sigma: setup.sigma,
             fault: setup.fault,
+            gets: Batch::new(),
+            gets_for: 0,
             newcomers: Vec::new(),
             state,
         })
@@ -205,6 +213,25 @@ impl World {
         }
         self.state.advance_leaders();
         let readings = self.compose()?;
+        self.exchange(readings).await?;
+        if self.state.colliding {
+            // Before the records of vehicles that a collision ended.
+            self.count_collisions().await?;
+        }
+        self.state.settle_events();
+        let follow = if self.fault == Fault::StepReference { Follow::Target } else { Follow::Traffic };
+        self.state.advance_followers(follow);
+        Ok(())
+    }
+
+    /// Sends what was composed and reads what comes back.
+    async fn exchange(&mut self, readings: Option<usize>) -> Result<(), CosimError> {
+        if !self.gets.is_empty() {
+            let (reply, seen) = self.client.exchange_pipelined(&self.batch, &self.gets).await?;
+            self.state.absorb(&reply, &reply, readings)?;
+            self.state.see_answers(&seen);
+            return Ok(());
+        }
         let (answers, stepped) = match &self.step_apart {
             Some(step) if self.batch.is_empty() => {
                 let reply = self.client.exchange(step).await?;
@@ -216,15 +243,7 @@ impl World {
                 (reply, reply)
             }
         };
-        self.state.absorb(&answers, &stepped, readings)?;
-        if self.state.colliding {
-            // Before the records of vehicles that a collision ended.
-            self.count_collisions().await?;
-        }
-        self.state.settle_events();
-        let follow = if self.fault == Fault::StepReference { Follow::Target } else { Follow::Traffic };
-        self.state.advance_followers(follow);
-        Ok(())
+        self.state.absorb(&answers, &stepped, readings)
     }
 
     /// Writes the message of a step. Returns the number of the first reading, if this step reads odometers and roads.
@@ -244,7 +263,8 @@ impl World {
                 self.batch.get_by_prefix(traci::vehicle::ROAD, &ego.prefix)?;
             }
         }
-        for key in &newcomers {
+        let to_subscribe = if self.subscribes() { &newcomers[..] } else { &[] };
+        for key in to_subscribe {
             let ego = &state.book[*key];
             let speed =
                 if self.fault == Fault::SpeedWithoutTraci { variable::SPEED_WITHOUT_TRACI } else { variable::SPEED };
@@ -255,7 +275,31 @@ impl World {
         if self.step_apart.is_none() {
             self.batch.step()?;
         }
+        self.compose_gets()?;
         Ok(readings)
+    }
+
+    /// True if vehicles are read by subscriptions: a shared SUMO, or the fault that reads something else.
+    fn subscribes(&self) -> bool {
+        self.step_apart.is_some() || self.fault == Fault::SpeedWithoutTraci
+    }
+
+    /// Writes the message of gets anew if vehicles have come or gone.
+    fn compose_gets(&mut self) -> Result<(), CosimError> {
+        let book = &self.state.book;
+        if self.subscribes() || self.gets_for == book.changes() {
+            return Ok(());
+        }
+        self.gets_for = book.changes();
+        self.gets.clear();
+        for ego in book.iter() {
+            self.gets.get_by_prefix(traci::vehicle::SPEED, &ego.prefix)?;
+            self.gets.get_by_prefix(traci::vehicle::ANGLE, &ego.prefix)?;
+            if ego.lead.is_some() {
+                self.gets.get_by_prefix(traci::vehicle::LANE, &ego.prefix)?;
+            }
+        }
+        Ok(())
     }
 
     /// Tells SUMO the speed of every body on the road.
@@ -318,7 +362,9 @@ impl World {
         }
         for ego in self.state.book.iter() {
             lead::hand_back(&mut self.batch, ego)?;
-            self.batch.unsubscribe(Domain::Vehicle, &ego.id)?;
+            if self.subscribes() {
+                self.batch.unsubscribe(Domain::Vehicle, &ego.id)?;
+            }
         }
         self.batch.unsubscribe(Domain::Simulation, "")?;
         let reply = self.client.exchange(&self.batch).await?;

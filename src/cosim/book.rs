@@ -88,6 +88,7 @@ pub struct Book {
     by_id: HashMap<Arc<str>, EgoKey>,
     order: Vec<EgoKey>,
     cursor: usize,
+    changes: u64,
 }
 
 impl Book {
@@ -102,6 +103,7 @@ impl Book {
         let key = EgoKey(index);
         self.by_id.insert(id, key);
         self.order.push(key);
+        self.changes += 1;
         key
     }
 
@@ -110,6 +112,7 @@ impl Book {
         let ego = self.egos.get_mut(key.0)?.take()?;
         self.by_id.remove(&ego.id);
         self.order.retain(|k| *k != key);
+        self.changes += 1;
         self.free.push(key.0);
         Some(ego)
     }
@@ -139,6 +142,11 @@ impl Book {
         })?;
         self.cursor += 1;
         Some(key)
+    }
+
+    /// Number of entries and exits so far: while it stays the same, so does the order.
+    pub fn changes(&self) -> u64 {
+        self.changes
     }
 
     /// All egos in order.

@@ -2,13 +2,14 @@
 //! odometers, roads and collisions.
 
 use super::book::{Book, Ego, EgoKey, Presence};
+use super::roads::Roads;
 use super::seen::{Seen, Values, seen};
 use super::{CosimError, variable};
 use crate::fleet::block::{Bound, Follow};
 use crate::fleet::{Clockwork, Fleet, GroupSetup};
 use crate::output::Reason;
 use crate::reference::Target;
-use crate::stats::{Sums, VehicleStats};
+use crate::stats::VehicleStats;
 use crate::traci::{Block, Domain, Reply};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
@@ -38,38 +39,6 @@ pub struct Finished {
     pub odometer_gap_m: Option<f64>,
     /// Number of pairs of colliding vehicles that it was in.
     pub collisions: u32,
-}
-
-/// What happens on each road, summed between readings.
-#[derive(Default)]
-pub struct Roads {
-    index: HashMap<String, u32>,
-    sums: Vec<Sums>,
-}
-
-impl Roads {
-    fn index(&mut self, name: &str) -> u32 {
-        if let Some(index) = self.index.get(name) {
-            return *index;
-        }
-        let index = u32::try_from(self.sums.len()).expect("fewer than 2^32 roads");
-        self.sums.push(Sums::default());
-        self.index.insert(name.to_owned(), index);
-        index
-    }
-
-    fn add(&mut self, road: u32, more: &Sums) {
-        let sums = &mut self.sums[road as usize];
-        sums.samples += more.samples;
-        sums.error_mps += more.error_mps;
-        sums.error_squared += more.error_squared;
-        sums.speed_mps += more.speed_mps;
-    }
-
-    /// Roads and their sums, in no particular order.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &Sums)> {
-        self.index.iter().map(|(name, index)| (name.as_str(), &self.sums[*index as usize]))
-    }
 }
 
 /// The fleet's side of the coupling.
@@ -238,23 +207,42 @@ impl State {
     }
 
     fn see_vehicle(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
-        let Values { speed, angle, lane } = match seen(block)? {
-            Seen::Ours(values) => values,
-            Seen::Gone => {
-                self.lost.extend(self.book.next_in_reply(block.id));
-                return Ok(());
+        match seen(block)? {
+            Seen::Ours(values) => {
+                if let Some(key) = self.book.next_in_reply(block.id) {
+                    self.see(key, &values);
+                }
             }
-            Seen::Others => return Ok(()),
-        };
-        let Some(key) = self.book.next_in_reply(block.id) else { return Ok(()) };
-        let ego = &mut self.book[key];
-        ego.seen_in_step = self.step;
-        see_lane(ego, lane, &self.lane_limits_mps, &mut self.unknown_lanes);
-        match speed {
-            Some(speed_mps) => self.drive(key, speed_mps, angle),
-            None => self.carry(key),
+            Seen::Gone => self.lost.extend(self.book.next_in_reply(block.id)),
+            Seen::Others => {}
         }
         Ok(())
+    }
+
+    /// Reads the answers to the gets, which are in the order of the book.
+    pub(super) fn see_answers(&mut self, reply: &Reply<'_>) {
+        let mut first = 0;
+        for place in 0..self.book.len() {
+            let key = self.book.keys()[place];
+            let leads = self.book[key].lead.is_some();
+            let (speed, angle) = (reply.f64(first), reply.f64(first + 1));
+            let lane = if leads { reply.text(first + 2) } else { None };
+            match reply.refusal(first) {
+                None => self.see(key, &Values { speed, angle, lane }),
+                Some(_) => self.lost.push(key),
+            }
+            first += if leads { 3 } else { 2 };
+        }
+    }
+
+    fn see(&mut self, key: EgoKey, values: &Values<'_>) {
+        let ego = &mut self.book[key];
+        ego.seen_in_step = self.step;
+        see_lane(ego, values.lane, &self.lane_limits_mps, &mut self.unknown_lanes);
+        match values.speed {
+            Some(speed_mps) => self.drive(key, speed_mps, values.angle),
+            None => self.carry(key),
+        }
     }
 
     /// The vehicle is on the road and SUMO tells its speed.

@@ -6,6 +6,7 @@
 
 use crate::lanes::{LANES, Lanes};
 use crate::plant::trig::{Polynomial, Trig};
+use multiversion::multiversion;
 
 /// Length constant of the curvature filter \[m\].
 pub const SMOOTHING_M: f64 = 3.0;
@@ -88,15 +89,20 @@ impl Steering {
 
     /// Road wheel angles at `share` of the step, for the speeds of the block \[rad\].
     pub fn angles_rad(&self, share: f64, speed_mps: &Lanes, out: &mut Lanes) {
-        for lane in 0..LANES {
-            let curvature = self.from_per_m[lane] + share * (self.to_per_m[lane] - self.from_per_m[lane]);
-            let square = speed_mps[lane] * speed_mps[lane];
-            // The step's curvature was limited at its end; the speed inside the step may be higher.
-            let limit = self.lateral_max_mps2[lane] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
-            let kappa = curvature.min(limit).max(-limit);
-            out[lane] =
-                Polynomial::atan(self.wheelbase_m[lane] * kappa) + self.understeer_s2_per_m[lane] * square * kappa;
-        }
+        angles_rad(self, share, speed_mps, out);
+    }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
+fn angles_rad(steering: &Steering, share: f64, speed_mps: &Lanes, out: &mut Lanes) {
+    for lane in 0..LANES {
+        let curvature = steering.from_per_m[lane] + share * (steering.to_per_m[lane] - steering.from_per_m[lane]);
+        let square = speed_mps[lane] * speed_mps[lane];
+        // The step's curvature was limited at its end; the speed inside the step may be higher.
+        let limit = steering.lateral_max_mps2[lane] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
+        let kappa = curvature.min(limit).max(-limit);
+        out[lane] =
+            Polynomial::atan(steering.wheelbase_m[lane] * kappa) + steering.understeer_s2_per_m[lane] * square * kappa;
     }
 }
 

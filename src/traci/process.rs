@@ -323,7 +323,8 @@ fn free_port() -> std::io::Result<u16> {
     TcpListener::bind((Ipv4Addr::UNSPECIFIED, 0))?.local_addr().map(|address| address.port())
 }
 
-/// The last lines of a log, errors only if there are any, without the step counter.
+/// The last lines of a log, without the step counter and what SUMO says of commands that it declined: those are not why
+/// it ended.
 fn last_words(log: &Path) -> String {
     let mut bytes = Vec::new();
     let read = File::open(log).and_then(|mut file| {
@@ -335,7 +336,8 @@ fn last_words(log: &Path) -> String {
         return if error.kind() == ErrorKind::NotFound { String::new() } else { error.to_string() };
     }
     let text = String::from_utf8_lossy(&bytes);
-    let lines: Vec<_> = text.split(['\n', '\r']).filter(|l| !l.trim().is_empty() && !l.starts_with("Step #")).collect();
+    let noise = |line: &str| line.starts_with("Step #") || line.starts_with("Error: Answered with error to command");
+    let lines: Vec<_> = text.split(['\n', '\r']).filter(|line| !line.trim().is_empty() && !noise(line)).collect();
     lines[lines.len().saturating_sub(REPORT_LINES)..].join("\n")
 }
 
@@ -404,7 +406,7 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let log = root.path().join("console.log");
         assert_eq!(last_words(&log), "");
-        let lines: String = (0..30).map(|line| format!("line {line}\nStep #{line}.00\r\n")).collect();
+        let lines: String = (0..30).map(|line| format!("line {line}\nStep #{line}.00\r\nError: Answered with error to command 0xa4: Vehicle 'a' is not known.\n")).collect();
         std::fs::write(&log, lines + "Error: bad").unwrap();
         let words = last_words(&log);
         assert_eq!(words.lines().count(), REPORT_LINES);

@@ -28,7 +28,7 @@ pub struct Figure {
     /// Where.
     pub scene: String,
     /// Which loop.
-    pub name: &'static str,
+    pub name: String,
     /// Cars on the road, mean over the rounds.
     pub cars: f64,
     /// Median time of a step [ms].
@@ -69,12 +69,17 @@ fn main() {
         scenes.extend(foreign("1").into_iter().chain(foreign("0.1")));
     }
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().expect("a runtime");
-    let mut figures = Vec::new();
+    let table = folder.join("scale.csv");
     for scene in &scenes {
-        figures.extend(runtime.block_on(measure(scene, &sumo)));
+        let new = runtime.block_on(measure(scene, &sumo));
+        // Scenes that are not measured now keep their figures.
+        let mut figures = read_csv(&table);
+        figures.retain(|f| f.scene != scene.name);
+        figures.extend(new);
+        figures.sort_by(|a, b| a.scene.len().cmp(&b.scene.len()).then(a.scene.cmp(&b.scene)));
+        write_csv(&table, &figures).expect("writing target/bench/scale.csv");
+        plot::draw(&folder.join("scale.svg"), &figures).expect("drawing target/bench/scale.svg");
     }
-    write_csv(&folder.join("scale.csv"), &figures).expect("writing target/bench/scale.csv");
-    plot::draw(&folder.join("scale.svg"), &figures).expect("drawing target/bench/scale.svg");
 }
 
 /// The grid with this number of cars.
@@ -88,7 +93,7 @@ fn grid(folder: &Path, sumo: &SumoBinary, cars: u32) -> Scene {
         let mut make = Command::new(script);
         make.arg(&folder).arg(cars.to_string());
         if let Some(home) = &sumo.home {
-            make.env("MAKE_SUMO_HOME", home);
+            make.env("MAKE_SUMO_HOME", std::path::absolute(home).expect("an absolute path"));
         }
         succeed(&mut make);
         let part = folder.join("part.xml.gz");
@@ -179,7 +184,7 @@ fn figures(scene: &Scene, cars: f64, turns: &[Vec<[f64; 2]>]) -> Vec<Figure> {
         };
         let step_ms = median(&mut mine.iter().map(|turn| turn[0]).collect::<Vec<_>>());
         let ((ratio, range), (processor_ratio, _)) = (ratios(0), ratios(1));
-        let (scene, name, [low, high]) = (scene.name.clone(), kind.name(), range);
+        let (scene, name, [low, high]) = (scene.name.clone(), kind.name().to_owned(), range);
         println!(
             "{scene:24} {name:20} {cars:6.0} cars {step_ms:9.3} ms/step {ratio:6.2} x SUMO alone \
              ({low:.2} to {high:.2}), processor {processor_ratio:6.2} x"
@@ -207,4 +212,22 @@ fn write_csv(path: &Path, figures: &[Figure]) -> std::io::Result<()> {
         )?;
     }
     Ok(())
+}
+
+/// What earlier runs have left; nothing if there is no table yet.
+fn read_csv(path: &Path) -> Vec<Figure> {
+    let Ok(mut table) = csv::Reader::from_path(path) else { return Vec::new() };
+    let figure = |row: csv::StringRecord| {
+        let number = |column: usize| row.get(column)?.parse::<f64>().ok();
+        Some(Figure {
+            scene: row.get(0)?.to_owned(),
+            name: row.get(1)?.to_owned(),
+            cars: number(2)?,
+            step_ms: number(3)?,
+            ratio: number(4)?,
+            range: [number(5)?, number(6)?],
+            processor_ratio: number(7)?,
+        })
+    };
+    table.records().flatten().filter_map(figure).collect()
 }
