@@ -1,8 +1,9 @@
-//! The coupling of fleet and SUMO. One message and one reply per SUMO step:
+//! The coupling of fleet and SUMO. One write and one read per SUMO step:
 //!
-//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then subscriptions of
-//!    newcomers, and the step, last.
-//! 2. The reply's speed is v*, what SUMO's car-following, lights, right of way and stops chose from there.
+//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then the step; and behind it,
+//!    in the same write, a message that asks every ego for its speed and heading. (Where other clients share SUMO,
+//!    newcomers are subscribed to instead.)
+//! 2. The speed that comes back is v*, what SUMO's car-following, lights, right of way and stops chose from there.
 //! 3. Body and controller run the *same* interval after the reply, along the ramp to v* (see
 //!    [`crate::fleet::block`]). The speed they reach goes into the next message.
 //!
