@@ -5,7 +5,7 @@
 //! lower floors; `tests/tidy.rs` holds the code to it.
 //! ```text
 //! 6  main                                      the command line
-//! 5  compare  paper  report  doctor            many runs; the paper's experiments; tables and plots; is all well?
+//! 5  compare  paper  doctor                    many runs; the paper's experiments; is all well?
 //! 4  run                                       one scenario -> one result
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
