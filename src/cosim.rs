@@ -1,7 +1,8 @@
-//! The coupling of fleet and SUMO. One message and one reply per SUMO step:
+//! The coupling of fleet and SUMO. One write and one wait per SUMO step:
 //!
-//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then subscriptions of
-//!    newcomers, and the step, last.
+//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then the step, last;
+//!    and behind it, in a second message that is written together with the first, gets of every ego's speed and heading.
+//!    (A SUMO that other clients share is read by subscriptions.)
 //! 2. The reply's speed is v*, what SUMO's car-following, lights, right of way and stops chose from there.
 //! 3. Body and controller run the *same* interval after the reply, along the ramp to v* (see
 //!    [`crate::fleet::block`]). The speed they reach goes into the next message.
