@@ -55,19 +55,22 @@ pub struct ScenarioArgs {
     /// Seed of SUMO and of everything drawn here
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<String>,
-    /// Simulation time at which the run ends \[s\]
+    /// Simulation time at which the run ends (s)
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     end: Option<String>,
-    /// SUMO's step length \[s\]
+    /// SUMO's step length (s)
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     step_length: Option<String>,
+    /// Averaging of a recording that is the target, 10 Hz or more (s); 0 = off
+    #[arg(long, value_name = "S")]
+    smooth_s: Option<f64>,
     /// Any other key of the scenario, by its TOML path: controller.k_p=1.2
     #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
     set: Vec<Override>,
     /// Trace these vehicles (ids separated by commas) or all
     #[arg(long, value_name = "IDS|all")]
     trace: Option<String>,
-    /// Time between rows of the trace \[s\]
+    /// Time between rows of the trace (s)
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     trace_period: Option<String>,
     /// Name of the table of vehicles; .csv, .parquet or .xml chooses the format
@@ -171,6 +174,9 @@ pub struct PaperArgs {
     /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see README)
     #[arg(long, value_name = "FILE")]
     pub driver: Option<PathBuf>,
+    /// Averaging of a recording of 10 Hz or more (s); 0 = off
+    #[arg(long, value_name = "S")]
+    smooth_s: Option<f64>,
     /// Any key of the scenarios, by its TOML path: controller.k_p=1.2
     #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
     pub set: Vec<Override>,
@@ -178,6 +184,17 @@ pub struct PaperArgs {
 
 fn set(argument: &str) -> Result<Override, String> {
     Override::set(argument).ok_or_else(|| "wanted KEY=VALUE, e.g. controller.k_p=1.2".to_owned())
+}
+
+fn smoothing(smooth_s: f64) -> Override {
+    Override::literal("--smooth-s", "target.smooth_s", smooth_s)
+}
+
+impl PaperArgs {
+    /// What is different from the files of the tests.
+    pub fn overrides(&self) -> Vec<Override> {
+        self.smooth_s.map(smoothing).into_iter().chain(self.set.iter().cloned()).collect()
+    }
 }
 
 impl ScenarioArgs {
@@ -222,6 +239,7 @@ impl ScenarioArgs {
         if !self.sumo_options.is_empty() {
             overrides.push(Override::texts("--", "sumo.options", &self.sumo_options));
         }
+        overrides.extend(self.smooth_s.map(smoothing));
         overrides.extend(self.set.iter().cloned());
         Request { scenario: self.scenario.clone(), overrides }
     }

@@ -47,6 +47,10 @@ fn main() -> ExitCode {
 }
 
 fn run(args: &RunArgs) -> miette::Result<ExitCode> {
+    if args.verbose {
+        let to_stderr = tracing_subscriber::fmt().with_writer(std::io::stderr).with_max_level(tracing::Level::DEBUG);
+        to_stderr.init();
+    }
     let scenario = Scenario::load(&args.scenario.request(), &Catalog::installed())?;
     if !args.quiet {
         notes(&scenario.notes);
@@ -117,10 +121,11 @@ fn check(args: &CheckArgs) -> miette::Result<ExitCode> {
 }
 
 fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
-    let PaperArgs { test, out, coarse, preset, driver, set } = args;
+    let sets = args.overrides();
+    let PaperArgs { test, out, coarse, preset, driver, .. } = args;
     let progress = std::io::stderr().is_terminal();
     let page = out.join("index.html");
-    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets: set, coarse, progress })?;
+    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets, coarse, progress })?;
     print(&format!("{}{}\n", results.table(), page.display()))
 }
 
