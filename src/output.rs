@@ -44,7 +44,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The operating system refused: no permission, disk full, no such file.
-    #[error("cannot {action} {}", .path.display())]
+    #[error("cannot {action} {}: {source}", .path.display())]
     File {
         /// "create", "write", "read", ...
         action: &'static str,
@@ -68,7 +68,7 @@ pub enum OutputError {
         dir: PathBuf,
     },
     /// The suffix of an output file names no format.
-    #[error("{} has no known format", .path.display())]
+    #[error("{}: {source}", .path.display())]
     Format {
         /// The file.
         path: PathBuf,

@@ -55,7 +55,7 @@ pub static TARGETS: &[Entry<Build>] = &[
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The file cannot be read.
-    #[error("cannot read {}", .file.display())]
+    #[error("{}: {source}", .file.display())]
     Read {
         /// The file.
         file: PathBuf,
