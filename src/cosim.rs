@@ -40,6 +40,7 @@ mod variable {
     pub const SPEED: u8 = 0x40;
     pub const SPEED_WITHOUT_TRACI: u8 = 0xb1;
     pub const ANGLE: u8 = 0x43;
+    pub const SLOPE: u8 = 0x36;
     pub const LANE_ID: u8 = 0x51;
     pub const TIME: u8 = 0x66;
     pub const DEPARTED: u8 = 0x74;
@@ -122,6 +123,8 @@ pub struct WorldSetup {
     pub clockwork: Clockwork,
     /// Seed of everything that is drawn per vehicle.
     pub seed: u64,
+    /// Bodies feel the slope of SUMO's road.
+    pub grade: bool,
     /// Driver imperfection given to every ego, if any.
     pub sigma: Option<f64>,
     /// For the self-check.
@@ -171,6 +174,7 @@ impl World {
         let present = batch.get(traci::vehicle::IDS, "")?;
         let expected = batch.get(traci::simulation::EXPECTED, "")?;
         let reply = client.exchange(&batch).await?;
+        state.grade = setup.grade;
         state.waiting = reply.get(present)?;
         state.expected = reply.get(expected)?;
         let mut step = Batch::new();
@@ -269,9 +273,10 @@ impl World {
             let ego = &state.book[*key];
             let speed =
                 if self.fault == Fault::SpeedWithoutTraci { variable::SPEED_WITHOUT_TRACI } else { variable::SPEED };
-            let wanted = [speed, variable::ANGLE, variable::LANE_ID];
-            let wanted = if ego.lead.is_some() { &wanted[..] } else { &wanted[..2] };
-            self.batch.subscribe(Domain::Vehicle, &ego.id, wanted, state.time_s)?;
+            let mut wanted = vec![speed, variable::ANGLE];
+            wanted.extend(ego.lead.is_some().then_some(variable::LANE_ID));
+            wanted.extend(state.grade.then_some(variable::SLOPE));
+            self.batch.subscribe(Domain::Vehicle, &ego.id, &wanted, state.time_s)?;
         }
         if self.step_apart.is_none() {
             self.batch.step()?;
@@ -298,6 +303,9 @@ impl World {
             self.gets.get_by_prefix(traci::vehicle::ANGLE, &ego.prefix)?;
             if ego.lead.is_some() {
                 self.gets.get_by_prefix(traci::vehicle::LANE, &ego.prefix)?;
+            }
+            if self.state.grade {
+                self.gets.get_by_prefix(traci::vehicle::SLOPE, &ego.prefix)?;
             }
         }
         Ok(())

@@ -155,6 +155,8 @@ pub struct Actuator {
 pub struct Coupling {
     /// How far the reference may keep away from the vehicle's speed [m/s].
     pub lead_mps: f64,
+    /// Bodies feel the slope of SUMO's road.
+    pub grade: bool,
 }
 
 /// Changes to the traffic.

@@ -23,6 +23,8 @@ pub(super) struct Values<'a> {
     pub angle: Option<f64>,
     /// Lane; only asked for of leading egos.
     pub lane: Option<&'a str>,
+    /// Slope of the road, uphill positive \[degrees\]; only asked for if bodies are to feel it.
+    pub slope: Option<f64>,
 }
 
 /// Reads a block about a vehicle.
@@ -37,6 +39,7 @@ pub(super) fn seen<'a>(block: &Block<'a>) -> Result<Seen<'a>, CosimError> {
                 values.speed = value.as_f64();
             }
             (variable::ANGLE, Ok(value)) => values.angle = value.as_f64(),
+            (variable::SLOPE, Ok(value)) => values.slope = value.as_f64(),
             (variable::LANE_ID, Ok(value)) => values.lane = value.as_str(),
             _ => {}
         }

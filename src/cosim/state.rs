@@ -47,6 +47,8 @@ pub struct State {
     pub fleet: Fleet,
     /// Who is on the road.
     pub book: Book,
+    /// Bodies feel the slope of SUMO's road.
+    pub grade: bool,
     /// Simulation time at the end of the last step \[s\].
     pub time_s: f64,
     /// SUMO's step \[s\].
@@ -108,6 +110,7 @@ impl State {
         Ok(Self {
             fleet: Fleet::new(clockwork, blocks),
             book: Book::default(),
+            grade: false,
             time_s,
             step_s,
             expected: 0,
@@ -227,11 +230,13 @@ impl State {
             let leads = self.book[key].lead.is_some();
             let (speed, angle) = (reply.f64(first), reply.f64(first + 1));
             let lane = if leads { reply.text(first + 2) } else { None };
+            let last = first + if leads { 3 } else { 2 };
+            let slope = if self.grade { reply.f64(last) } else { None };
             match reply.refusal(first) {
-                None => self.see(key, &Values { speed, angle, lane }),
+                None => self.see(key, &Values { speed, angle, lane, slope }),
                 Some(_) => self.lost.push(key),
             }
-            first += if leads { 3 } else { 2 };
+            first = last + usize::from(self.grade);
         }
     }
 
@@ -239,6 +244,10 @@ impl State {
         let ego = &mut self.book[key];
         ego.seen_in_step = self.step;
         see_lane(ego, values.lane, &self.lane_limits_mps, &mut self.unknown_lanes);
+        if let Some(slope_deg) = values.slope {
+            let slot = ego.slot;
+            self.fleet.block_mut(slot).set_grade(slot.lane(), slope_deg.to_radians());
+        }
         match values.speed {
             Some(speed_mps) => self.drive(key, speed_mps, values.angle),
             None => self.carry(key),

@@ -31,6 +31,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         egos: scenario.egos.clone(),
         equipped: Equipped::of_scenario(scenario),
         clockwork: clockwork(scenario)?,
+        grade: scenario.coupling.grade,
         seed: scenario.sumo.seed,
         sigma: scenario.traffic.sigma,
         fault: Fault::None,

@@ -160,6 +160,7 @@ pub(crate) const TRAFFIC_KEYS: &[Key] =
 pub(crate) const COUPLING_KEYS: &[Key] = &[
     number("control_period_s", "s", (0.0001, 1.0), "0.01", "control period"),
     number("lead_mps", "m/s", (0.01, 100.0), "1", "how far the reference may keep away from the vehicle's speed"),
+    Key { name: "grade", kind: Kind::Flag, default: "false", help: "bodies feel the slope of SUMO's road" },
 ];
 
 /// `[output]`.

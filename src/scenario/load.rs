@@ -144,7 +144,7 @@ fn resolve(request: &Request, root: &Table, catalog: &Catalog, offline: bool) ->
         groups: groups(root, catalog, &mut inputs)?,
         plant,
         control_period_s: coupling.number("control_period_s"),
-        coupling: Coupling { lead_mps: coupling.number("lead_mps") },
+        coupling: Coupling { lead_mps: coupling.number("lead_mps"), grade: coupling.flag("grade") },
         traffic: Traffic { sigma: traffic.try_number("sigma") },
         output: output(&section("output")?)?,
         sumo,

@@ -27,6 +27,7 @@ pub(super) fn scenario(scenario: &Scenario) -> String {
     out.header("[coupling]");
     out.number("control_period_s", Some(scenario.control_period_s));
     out.number("lead_mps", Some(scenario.coupling.lead_mps));
+    out.line("grade", scenario.coupling.grade);
     out.header("[output]");
     out.text("vehicles", &scenario.output.vehicles);
     let trace = match &scenario.output.trace {

@@ -6,6 +6,7 @@ mod coupling;
 mod determinism;
 mod faults;
 mod foreign;
+mod grade;
 mod identical;
 mod lifecycle;
 mod support;

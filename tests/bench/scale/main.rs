@@ -1,7 +1,7 @@
 //! End to end against real SUMO: how much longer a step takes with a body and a controller for every car.
 //!
 //! ```text
-//! tools/with-sumo cargo bench --bench scale [-- CARS...] [-- foreign]
+//! .ci/with-sumo cargo bench --bench scale [-- CARS...] [-- foreign]
 //! ```
 //! Per number of cars all loops run side by side, each with its own SUMO, loaded from the same saved state with all cars
 //! on the road. They take turns, a few steps each; a ratio is that of two loops within one round, and the figure is the
@@ -56,7 +56,7 @@ struct Scene {
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sumo = find_sumo(None).expect("a SUMO: tools/with-sumo cargo bench --bench scale");
+    let sumo = find_sumo(None).expect("a SUMO: .ci/with-sumo cargo bench --bench scale");
     let wanted = |name: &str| arguments.is_empty() || arguments.iter().any(|a| a == name);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/bench");
     let mut scenes: Vec<Scene> = Vec::new();
