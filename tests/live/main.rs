@@ -9,5 +9,6 @@ mod foreign;
 mod grade;
 mod identical;
 mod lifecycle;
+mod step;
 mod support;
 mod tyres;
