@@ -126,7 +126,7 @@ fn vehicles_that_were_there_before_are_taken_over() {
 }
 
 #[test]
-fn vehicles_that_a_calibrator_or_rerouter_removes_are_not_complete() {
+fn vehicles_that_a_calibrator_removes_are_not_complete() {
     let folder = tempfile::tempdir().unwrap();
     let nodes = r#"<node id="a" x="0" y="0"/><node id="b" x="1000" y="0"/><node id="c" x="2000" y="0"/>"#;
     let edges = r#"<edge id="ab" from="a" to="b" speed="20"/><edge id="bc" from="b" to="c" speed="20"/>"#;
