@@ -382,13 +382,10 @@ impl World {
         Ok(())
     }
 
-    /// Leaves SUMO.
-    ///
-    /// # Errors
-    /// If SUMO does not answer.
-    pub async fn close(self) -> Result<State, CosimError> {
-        self.client.close().await?;
-        Ok(self.state)
+    /// Leaves SUMO. What was computed comes back also if SUMO does not answer.
+    pub async fn close(self) -> (State, Result<(), CosimError>) {
+        let left = self.client.close().await.map_err(CosimError::from);
+        (self.state, left)
     }
 
     /// Time spent waiting for SUMO so far.

@@ -274,25 +274,34 @@ impl<'a> Run<'a> {
         };
         match closed {
             Ok(()) => {
-                let state = world.close().await?;
-                if let Some(process) = process {
-                    process.shut_down(LAST_OUTPUTS).await?;
+                let (state, left) = world.close().await;
+                let ended = match process {
+                    Some(process) => process.shut_down(LAST_OUTPUTS).await.map(drop),
+                    None => Ok(()),
+                };
+                match left.map_err(RunError::from).and(ended.map_err(RunError::from)) {
+                    Ok(()) => self.write(state, writers, None),
+                    Err(source) => self.break_off(state, writers, source),
                 }
-                self.write(state, writers, None)
             }
             Err(error) => {
                 let source = explain(error, &mut process).await;
-                let time_s = world.state.time_s;
-                let dir = self.dir.path().to_owned();
                 world.state.end_all(crate::output::Reason::Incomplete);
-                // A disk that is full for one file may be full for others; the first error is the one to tell.
-                let _ = self.write(world.into_state(), writers, Some(source.to_string()));
-                if let RunError::Interrupted(_) = source {
-                    return Err(source);
-                }
-                Err(RunError::Broken { time_s, dir, source: Box::new(source) })
+                self.break_off(world.into_state(), writers, source)
             }
         }
+    }
+
+    /// Writes what was computed until `source` happened.
+    fn break_off(&mut self, state: State, writers: Writers, source: RunError) -> Result<RunResult, RunError> {
+        let time_s = state.time_s;
+        let dir = self.dir.path().to_owned();
+        // A disk that is full for one file may be full for others; the first error is the one to tell.
+        let _ = self.write(state, writers, Some(source.to_string()));
+        if let RunError::Interrupted(_) = source {
+            return Err(source);
+        }
+        Err(RunError::Broken { time_s, dir, source: Box::new(source) })
     }
 
     async fn step_to_end(&mut self, world: &mut World, writers: &mut Writers) -> Result<(), RunError> {

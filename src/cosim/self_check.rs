@@ -87,7 +87,8 @@ pub async fn examine(client: Client, setup: WorldSetup) -> Result<Vec<Check>, Co
     }
     world.hand_back().await?;
     let step_s = world.state.step_s;
-    let state = world.close().await?;
+    let (state, left) = world.close().await;
+    left?;
     let gap = |id: &str| state.finished.iter().find(|f| &*f.id == id).and_then(|f| f.odometer_gap_m);
     Ok(EGOS.iter().zip(&egos).flat_map(|(id, drive)| judge(id, drive, &plain, gap(id), step_s)).collect())
 }
