@@ -61,7 +61,7 @@ fn count(config: &Path, controller: &str, step_s: f64, first: u32, then: u32) ->
         }
         let stats = region.change();
         assert_eq!(world.state.book.len(), egos, "nobody departs or arrives in this test");
-        world.close().await.unwrap();
+        world.close().await.1.unwrap();
         process.shut_down(PATIENCE).await.unwrap();
         (egos, stats)
     };
