@@ -173,7 +173,7 @@ impl Loop {
         match self.driver {
             Driver::Bare(bare) => bare.client.close().await.expect("SUMO closes"),
             Driver::Plain(client, _) => client.close().await.expect("SUMO closes"),
-            Driver::Ours(world) => drop(world.close().await.1.expect("SUMO closes")),
+            Driver::Ours(world) => world.close().await.1.expect("SUMO closes"),
             Driver::Python(mut child, _) => {
                 drop(child.stdin.take());
                 child.wait().expect("Python ends");
