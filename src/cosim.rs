@@ -1,11 +1,14 @@
-//! The coupling of fleet and SUMO. One write and one read per SUMO step:
+//! The coupling of fleet and SUMO, in every SUMO step:
 //!
 //! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then the step; and behind it,
-//!    in the same write, a message that asks every ego for its speed and heading. (Where other clients share SUMO,
+//!    in the same write, messages that ask every ego for its speed and heading. (Where other clients share SUMO,
 //!    newcomers are subscribed to instead.)
 //! 2. The speed that comes back is v*, what SUMO's car-following, lights, right of way and stops chose from there.
 //! 3. Body and controller run the *same* interval after the reply, along the ramp to v* (see
-//!    [`crate::fleet::block`]). The speed they reach goes into the next message.
+//!    [`crate::fleet::block`]). The speed they reach is sent at once.
+//!
+//! The egos go through 2 and 3 in companies ([`convoy`]): SUMO looks up and takes the values of one while the bodies of
+//! another drive. Nothing waits for SUMO but the step itself.
 //!
 //! The two loops that come to mind first do not work: commanding `setSpeed` with a speed derived from SUMO's "speed
 //! without TraCI" freezes every car, because SUMO bounds that value by the command itself; and handing v* to the
@@ -16,6 +19,7 @@
 
 pub mod bodies;
 pub mod book;
+mod convoy;
 pub mod lead;
 pub mod newcomers;
 mod roads;
@@ -31,7 +35,8 @@ use crate::reference::Target;
 use crate::registry::UnknownName;
 use crate::scenario::{Equipped, Group, Selector};
 use crate::traci::{self, Batch, Client, Domain};
-use book::{EgoKey, Presence};
+use book::{Ego, EgoKey, Presence};
+use convoy::{Convoy, Member};
 use newcomers::TypeBook;
 use state::State;
 
@@ -148,11 +153,11 @@ pub struct World {
     seed: u64,
     sigma: Option<f64>,
     fault: Fault,
-    /// The message of gets behind the step, and the state of the book that it is for. Empty if SUMO is shared: then
-    /// vehicles are subscribed to. Gets are cheaper for SUMO, but each one for a vehicle that arrived in the step is a
-    /// line on SUMO's console, which then is not ours.
-    gets: Batch,
-    gets_for: u64,
+    /// The egos as they drive together, and the state of the book that this is for. Gets are cheaper for SUMO than
+    /// subscriptions, but each one for a vehicle that arrived in the step is a line on SUMO's console: where SUMO is
+    /// shared, and the console not ours, vehicles are subscribed to.
+    convoys: Vec<Convoy>,
+    convoys_for: u64,
     newcomers: Vec<EgoKey>,
     /// What the replies said, and the fleet that follows them.
     pub state: State,
@@ -191,8 +196,8 @@ impl World {
             seed: setup.seed,
             sigma: setup.sigma,
             fault: setup.fault,
-            gets: Batch::new(),
-            gets_for: 0,
+            convoys: Vec::new(),
+            convoys_for: 0,
             newcomers: Vec::new(),
             state,
         })
@@ -218,37 +223,100 @@ impl World {
         }
         self.state.advance_leaders();
         let readings = self.compose()?;
-        self.exchange(readings).await?;
-        if self.state.colliding {
-            // Before the records of vehicles that a collision ended.
-            self.count_collisions().await?;
-        }
-        self.state.settle_events();
+        self.ask(readings).await?;
         let follow = if self.fault == Fault::StepReference { Follow::Target } else { Follow::Traffic };
-        self.state.advance_followers(follow);
+        // A collision and a teleport are about vehicles that are in other convoys: then all is heard first.
+        let at_once = !self.subscribes() && self.state.is_quiet();
+        if at_once {
+            self.state.settle_events();
+        } else {
+            for place in 0..self.convoys.len() {
+                self.hear(place).await?;
+            }
+            if self.state.colliding {
+                // Before the records of vehicles that a collision ended.
+                self.count_collisions().await?;
+            }
+            self.state.settle_events();
+            self.state.settle_carried();
+        }
+        if self.subscribes() {
+            self.state.settle_silent();
+        }
+        for place in 0..self.convoys.len() {
+            if at_once {
+                self.hear(place).await?;
+            }
+            self.state.advance_followers(convoy::blocks(place), &self.convoys[place].members, follow);
+            self.tell(place).await?;
+        }
         Ok(())
     }
 
-    /// Sends what was composed and reads what comes back.
-    async fn exchange(&mut self, readings: Option<usize>) -> Result<(), CosimError> {
-        if !self.gets.is_empty() {
-            let (reply, seen) = self.client.exchange_pipelined(&self.batch, &self.gets).await?;
-            self.state.absorb(&reply, &reply, readings)?;
-            self.state.see_answers(&seen);
+    /// Sends what was composed and reads what the step says.
+    async fn ask(&mut self, readings: Option<usize>) -> Result<(), CosimError> {
+        let step_apart = self.step_apart.as_ref();
+        let first = Some(&self.batch).filter(|batch| !batch.is_empty());
+        let told = self.client.under_way();
+        self.client.send(first.into_iter().chain(step_apart)).await?;
+        // SUMO is stepping from here on.
+        let book = &self.state.book;
+        if self.convoys_for != book.changes() {
+            self.convoys_for = book.changes();
+            convoy::form(&mut self.convoys, book);
+        }
+        if !self.subscribes() {
+            self.convoys.iter_mut().try_for_each(|convoy| convoy.ask(&self.state))?;
+            let gets = self.convoys.iter().map(|convoy| &convoy.gets).filter(|gets| !gets.is_empty());
+            self.client.send(gets).await?;
+        }
+        for _ in 0..told {
+            // A vehicle that declines is one that has left, and the next answer says so.
+            self.client.receive().await?;
+        }
+        if first.is_some() {
+            let answers = self.client.receive().await?;
+            if let Some(first_reading) = readings {
+                self.state.take_readings(&answers, first_reading);
+            }
+            if step_apart.is_none() {
+                return self.state.absorb(&answers);
+            }
+        }
+        let stepped = self.client.receive().await?;
+        self.state.absorb(&stepped)
+    }
+
+    /// Reads what SUMO shows of a convoy.
+    async fn hear(&mut self, place: usize) -> Result<(), CosimError> {
+        let convoy = &self.convoys[place];
+        if !convoy.gets.is_empty() {
+            let reply = self.client.receive().await?;
+            self.state.see_answers(&convoy.members, &reply);
+        }
+        self.state.settle_lost();
+        Ok(())
+    }
+
+    /// Sends the speeds of a convoy's bodies, so that SUMO takes them while the next convoy drives. The answers are read
+    /// in the next step. A SUMO that is shared is told in the message of the step.
+    async fn tell(&mut self, place: usize) -> Result<(), CosimError> {
+        if self.subscribes() {
             return Ok(());
         }
-        let (answers, stepped) = match &self.step_apart {
-            Some(step) if self.batch.is_empty() => {
-                let reply = self.client.exchange(step).await?;
-                (reply, reply)
+        let convoy = &mut self.convoys[place];
+        convoy.speeds.clear();
+        for Member { key, .. } in &convoy.members {
+            let Some(ego) = self.state.book.get(*key).filter(|ego| ego.lead.is_none()) else { continue };
+            if !self.state.fleet.block(ego.slot).rests(ego.slot.lane()) {
+                put_speed(&mut convoy.speeds, ego, &self.state, self.fault)?;
             }
-            Some(step) => self.client.exchange_pipelined(&self.batch, step).await?,
-            None => {
-                let reply = self.client.exchange(&self.batch).await?;
-                (reply, reply)
-            }
-        };
-        self.state.absorb(&answers, &stepped, readings)
+            self.state.book[*key].told_after = Some(self.state.steps());
+        }
+        if !convoy.speeds.is_empty() {
+            self.client.send([&convoy.speeds]).await?;
+        }
+        Ok(())
     }
 
     /// Writes the message of a step. Returns the number of the first reading, if this step reads odometers and roads.
@@ -281,7 +349,6 @@ impl World {
         if self.step_apart.is_none() {
             self.batch.step()?;
         }
-        self.compose_gets()?;
         Ok(readings)
     }
 
@@ -290,43 +357,11 @@ impl World {
         self.step_apart.is_some() || self.fault == Fault::SpeedWithoutTraci
     }
 
-    /// Writes the message of gets anew if vehicles have come or gone.
-    fn compose_gets(&mut self) -> Result<(), CosimError> {
-        let book = &self.state.book;
-        if self.subscribes() || self.gets_for == book.changes() {
-            return Ok(());
-        }
-        self.gets_for = book.changes();
-        self.gets.clear();
-        for ego in book.iter() {
-            self.gets.get_by_prefix(traci::vehicle::SPEED, &ego.prefix)?;
-            self.gets.get_by_prefix(traci::vehicle::ANGLE, &ego.prefix)?;
-            if ego.lead.is_some() {
-                self.gets.get_by_prefix(traci::vehicle::LANE, &ego.prefix)?;
-            }
-            if self.state.grade {
-                self.gets.get_by_prefix(traci::vehicle::SLOPE, &ego.prefix)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Tells SUMO the speed of every body on the road.
+    /// Tells SUMO the speeds of the bodies that it has not been told since the last step.
     fn put_speeds(&mut self) -> Result<(), CosimError> {
         let state = &self.state;
-        for key in state.book.keys() {
-            let ego = &state.book[*key];
-            if ego.presence == Presence::Teleporting {
-                continue;
-            }
-            let (block, lane) = (state.fleet.block(ego.slot), ego.slot.lane());
-            let speed_mps = block.speed_mps(lane);
-            match (&ego.lead, self.fault) {
-                (Some(lead), _) => self.batch.set_speed(&ego.prefix, lead.command_mps)?,
-                (None, Fault::NotSentBack) => continue,
-                (None, Fault::SpeedWithoutTraci) => self.batch.set_speed(&ego.prefix, speed_mps)?,
-                (None, _) => self.batch.set_previous_speed(&ego.prefix, speed_mps, block.acceleration_mps2(lane))?,
-            };
+        for ego in state.book.iter().filter(|ego| ego.told_after != Some(state.steps())) {
+            put_speed(&mut self.batch, ego, state, self.fault)?;
         }
         Ok(())
     }
@@ -397,4 +432,20 @@ impl World {
     pub fn into_state(self) -> State {
         self.state
     }
+}
+
+/// Tells SUMO the speed of an ego's body, if it is on the road.
+fn put_speed(batch: &mut Batch, ego: &Ego, state: &State, fault: Fault) -> Result<(), CosimError> {
+    if ego.presence == Presence::Teleporting {
+        return Ok(());
+    }
+    let (block, lane) = (state.fleet.block(ego.slot), ego.slot.lane());
+    let speed_mps = block.speed_mps(lane);
+    match (&ego.lead, fault) {
+        (Some(lead), _) => batch.set_speed(&ego.prefix, lead.command_mps)?,
+        (None, Fault::NotSentBack) => return Ok(()),
+        (None, Fault::SpeedWithoutTraci) => batch.set_speed(&ego.prefix, speed_mps)?,
+        (None, _) => batch.set_previous_speed(&ego.prefix, speed_mps, block.acceleration_mps2(lane))?,
+    };
+    Ok(())
 }

@@ -16,6 +16,7 @@ use crate::stats::VehicleStats;
 use crate::stopwatch::Stopwatch;
 use block::{Block, Follow};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::time::Duration;
 
 /// Fewer blocks than this are advanced on the calling thread: waking a second one would cost more.
@@ -191,6 +192,17 @@ impl Fleet {
     /// Lets every block for which `select` is true follow `follow` over `periods` control periods. With several
     /// threads the blocks are shared out; each works alone, so the result does not depend on how.
     pub fn advance(&mut self, periods: u32, select: impl Fn(&Block) -> bool + Sync, follow: Follow) {
+        self.advance_among(0..self.blocks.len(), periods, select, follow);
+    }
+
+    /// The same for the blocks in a range, of which the last need not exist.
+    pub fn advance_among(
+        &mut self,
+        blocks: Range<usize>,
+        periods: u32,
+        select: impl Fn(&Block) -> bool + Sync,
+        follow: Follow,
+    ) {
         self.stopwatch.start();
         let clockwork = &self.clockwork;
         let work = |block: &mut Block| {
@@ -198,16 +210,28 @@ impl Fleet {
                 block.step(clockwork, periods, follow);
             }
         };
-        if self.blocks.len() < PARALLEL_FROM_BLOCKS || rayon::current_num_threads() == 1 {
-            self.blocks.iter_mut().for_each(work);
+        let blocks = among(&mut self.blocks, blocks);
+        if blocks.len() < PARALLEL_FROM_BLOCKS || rayon::current_num_threads() == 1 {
+            blocks.iter_mut().for_each(work);
         } else {
-            self.blocks.par_iter_mut().for_each(work);
+            blocks.par_iter_mut().for_each(work);
         }
         self.stopwatch.lap(0);
     }
 
     /// Counts the step just done, once SUMO's speeds at its end are known ([`Block::see_speed`]).
     pub fn close_step(&mut self) {
-        self.blocks.iter_mut().filter(|b| !b.is_empty()).for_each(Block::close_step);
+        self.close_step_among(0..self.blocks.len());
     }
+
+    /// The same for the blocks in a range, of which the last need not exist.
+    pub fn close_step_among(&mut self, blocks: Range<usize>) {
+        among(&mut self.blocks, blocks).iter_mut().filter(|b| !b.is_empty()).for_each(Block::close_step);
+    }
+}
+
+/// The blocks of a range, as far as they exist.
+fn among(blocks: &mut [Block], range: Range<usize>) -> &mut [Block] {
+    let end = range.end.min(blocks.len());
+    &mut blocks[range.start.min(end)..end]
 }

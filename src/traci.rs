@@ -28,7 +28,7 @@
 //!
 //! # A fleet, one message per step
 //! A lone command costs a round trip, some 50 µs; in a [`Batch`] it costs a fraction of a microsecond. Gets behind the step
-//! go into a second batch that is sent in the same write ([`Client::exchange_pipelined`]): SUMO would answer commands behind
+//! go into a second batch that is sent behind it ([`Client::send`], [`Client::receive`]): SUMO would answer commands behind
 //! a step in the *same* message with the state before it.
 //! ```no_run
 //! # use std::collections::HashMap;

@@ -74,6 +74,8 @@ pub struct Ego {
     pub sigma_before: Option<f64>,
     /// Step in which the last reply spoke of it.
     pub seen_in_step: u64,
+    /// Number of the step after which SUMO was last told its body's speed, ahead of the next step's message.
+    pub told_after: Option<u64>,
 }
 
 /// Handle of an ego in the [`Book`].
@@ -117,9 +119,14 @@ impl Book {
         Some(ego)
     }
 
+    /// The ego, while it is in the book.
+    pub fn get(&self, key: EgoKey) -> Option<&Ego> {
+        self.egos.get(key.0)?.as_ref()
+    }
+
     /// True while the ego is in the book.
     pub fn contains(&self, key: EgoKey) -> bool {
-        self.egos.get(key.0).is_some_and(Option::is_some)
+        self.get(key).is_some()
     }
 
     /// The ego with this id.

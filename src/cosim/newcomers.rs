@@ -175,6 +175,7 @@ impl World {
             lane,
             sigma_before: vehicle.sigma,
             seen_in_step: 0,
+            told_after: None,
         });
         self.newcomers.push(key);
         Ok(())

@@ -94,8 +94,8 @@ pub async fn examine(client: Client, setup: WorldSetup) -> Result<Vec<Check>, Co
 }
 
 impl World {
-    /// What SUMO takes for the cars' speeds once it has been told the bodies' [m/s], by id. It is told them once more by
-    /// the step, which changes nothing.
+    /// What SUMO takes for the cars' speeds once it has been told the bodies' [m/s], by id. Newcomers' are told once more
+    /// by the step, which changes nothing.
     async fn believed_mps(&mut self) -> Result<Vec<(String, f64)>, CosimError> {
         self.batch.clear();
         self.put_speeds()?;

@@ -2,16 +2,18 @@
 //! odometers, roads and collisions.
 
 use super::book::{Book, Ego, EgoKey, Presence};
+use super::convoy::Member;
 use super::roads::Roads;
 use super::seen::{Seen, Values, seen};
 use super::{CosimError, variable};
 use crate::fleet::block::{Bound, Follow};
-use crate::fleet::{Clockwork, Fleet, GroupSetup};
+use crate::fleet::{self, Clockwork, Fleet, GroupSetup};
 use crate::output::Reason;
 use crate::reference::Target;
 use crate::stats::VehicleStats;
 use crate::traci::{Block, Domain, Reply};
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A reply's speed this far below the command means that SUMO clamped it [m/s].
@@ -155,16 +157,18 @@ impl State {
         self.step.is_multiple_of(self.read_every)
     }
 
-    /// Reads the answers to the message of a step, and the reply to the step itself.
-    pub(super) fn absorb(
-        &mut self,
-        answers: &Reply<'_>,
-        stepped: &Reply<'_>,
-        readings: Option<usize>,
-    ) -> Result<(), CosimError> {
-        if let Some(first) = readings {
-            self.take_readings(answers, first);
-        }
+    /// Steps so far.
+    pub(super) fn steps(&self) -> u64 {
+        self.step
+    }
+
+    /// True if nobody collided or was carried away in the step just read.
+    pub(super) fn is_quiet(&self) -> bool {
+        !self.colliding && self.carried.is_empty()
+    }
+
+    /// Reads the reply to a step.
+    pub(super) fn absorb(&mut self, stepped: &Reply<'_>) -> Result<(), CosimError> {
         self.step += 1;
         self.book.rewind();
         self.lost.clear();
@@ -222,21 +226,24 @@ impl State {
         Ok(())
     }
 
-    /// Reads the answers to the gets, which are in the order of the book.
-    pub(super) fn see_answers(&mut self, reply: &Reply<'_>) {
-        let mut first = 0;
-        for place in 0..self.book.len() {
-            let key = self.book.keys()[place];
-            let leads = self.book[key].lead.is_some();
-            let (speed, angle) = (reply.f64(first), reply.f64(first + 1));
-            let lane = if leads { reply.text(first + 2) } else { None };
-            let last = first + if leads { 3 } else { 2 };
-            let slope = if self.grade { reply.f64(last) } else { None };
-            match reply.refusal(first) {
-                None => self.see(key, &Values { speed, angle, lane, slope }),
-                Some(_) => self.lost.push(key),
+    /// Reads the answers to the gets of a convoy.
+    pub(super) fn see_answers(&mut self, members: &[Member], reply: &Reply<'_>) {
+        for member in members {
+            let Some(ego) = self.book.get(member.key) else { continue };
+            if reply.refusal(member.first).is_some() {
+                self.lost.push(member.key);
+                continue;
             }
-            first = last + usize::from(self.grade);
+            let leads = ego.lead.is_some();
+            let angle_at = member.first + 1;
+            let lane_at = angle_at + usize::from(member.heading);
+            let values = Values {
+                speed: reply.f64(member.first),
+                angle: if member.heading { reply.f64(angle_at) } else { None },
+                lane: if leads { reply.text(lane_at) } else { None },
+                slope: if self.grade { reply.f64(lane_at + usize::from(leads)) } else { None },
+            };
+            self.see(member.key, &values);
         }
     }
 
@@ -264,10 +271,8 @@ impl State {
             block.appear(lane, speed_mps);
         }
         block.see_speed(lane, speed_mps);
-        if let Some(angle_deg) = angle_deg {
-            // SUMO: clockwise from north. ISO: left positive; the offset does not matter for a change.
-            block.see_heading(lane, -angle_deg.to_radians(), self.step_s);
-        }
+        // SUMO: clockwise from north. ISO: left positive; the offset does not matter for a change.
+        block.see_heading(lane, angle_deg.map(|angle| -angle.to_radians()), self.step_s);
         match &mut ego.lead {
             None => block.set_target(lane, speed_mps, Bound::Traffic),
             Some(lead) => {
@@ -312,6 +317,11 @@ impl State {
                 self.end(key, reason);
             }
         }
+        self.waiting.append(&mut self.came);
+    }
+
+    /// Vehicles that were carried in the step just read, once what SUMO shows of them is known.
+    pub(super) fn settle_carried(&mut self) {
         for id in std::mem::take(&mut self.carried) {
             // Carried and put down within the step: another place, another speed.
             if let Some(key) = self.book.find(&id)
@@ -323,17 +333,24 @@ impl State {
                 block.appear(slot.lane(), speed_mps);
             }
         }
-        for key in std::mem::take(&mut self.lost) {
+    }
+
+    /// Vehicles that SUMO did not know any more.
+    pub(super) fn settle_lost(&mut self) {
+        while let Some(key) = self.lost.pop() {
             if self.book.contains(key) {
                 self.end(key, Reason::Removed);
             }
         }
+    }
+
+    /// Vehicles that are subscribed to and of which the step said nothing.
+    pub(super) fn settle_silent(&mut self) {
         let (book, step) = (&self.book, self.step);
         let silent: Vec<EgoKey> = book.keys().iter().copied().filter(|k| book[*k].seen_in_step < step).collect();
         for key in silent {
             self.end(key, Reason::Removed);
         }
-        self.waiting.append(&mut self.came);
     }
 
     /// Notes how far every plant has come, to be compared with SUMO's odometers at the same instant.
@@ -380,15 +397,18 @@ impl State {
         }
     }
 
-    /// Followers drive the step that SUMO has just done, towards the speed that it chose.
-    pub(super) fn advance_followers(&mut self, follow: Follow) {
+    /// The followers in `blocks`, which are among `members`, drive the step that SUMO has just done towards the speed
+    /// that it chose.
+    pub(super) fn advance_followers(&mut self, blocks: Range<usize>, members: &[Member], follow: Follow) {
         let targets = &self.targets;
-        self.fleet.advance(self.periods, |b| matches!(targets[b.group()], Target::Traffic), follow);
-        self.fleet.close_step();
-        let sound = |ego: &Ego| self.fleet.block(ego.slot).is_sound(ego.slot.lane());
-        let broken: Vec<EgoKey> = self.book.keys().iter().copied().filter(|k| !sound(&self.book[*k])).collect();
-        for key in broken {
-            self.end(key, Reason::Diverged);
+        let follows = |block: &fleet::block::Block| matches!(targets[block.group()], Target::Traffic);
+        self.fleet.advance_among(blocks.clone(), self.periods, follows, follow);
+        self.fleet.close_step_among(blocks);
+        for Member { key, .. } in members {
+            let sound = |ego: &Ego| self.fleet.block(ego.slot).is_sound(ego.slot.lane());
+            if self.book.get(*key).is_some_and(|ego| !sound(ego)) {
+                self.end(*key, Reason::Diverged);
+            }
         }
     }
 

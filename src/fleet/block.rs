@@ -210,11 +210,21 @@ impl Block {
         self.sumo_mps[lane] = sumo_mps;
     }
 
-    /// Takes the heading that SUMO shows at the end of a step (radians, left positive).
-    pub fn see_heading(&mut self, lane: usize, heading_rad: f64, step_s: f64) {
+    /// Takes the heading that SUMO shows at the end of a step (radians, left positive); a body that stands needs none.
+    pub fn see_heading(&mut self, lane: usize, heading_rad: impl Into<Option<f64>>, step_s: f64) {
         let speed_mps = self.plant.vx_mps[lane];
-        let limited = self.steering.see_heading(lane, heading_rad, speed_mps * step_s, speed_mps);
+        let limited = self.steering.see_heading(lane, heading_rad.into(), speed_mps * step_s, speed_mps);
         self.curvature_limited[lane] = f64::from(u8::from(limited));
+    }
+
+    /// True if the body stands.
+    pub fn stands(&self, lane: usize) -> bool {
+        self.plant.vx_mps[lane] == 0.0
+    }
+
+    /// True if the body stood all through the last step and SUMO's car stands too: there is nothing to tell SUMO.
+    pub fn rests(&self, lane: usize) -> bool {
+        self.stands(lane) && self.acceleration_mps2[lane] == 0.0 && self.sumo_mps[lane] == 0.0
     }
 
     /// Slope of the road (radians, uphill positive).

@@ -63,13 +63,20 @@ impl Steering {
     }
 
     /// Takes the heading at the end of a step [rad, left positive] in which the slot drove `driven_m` metres at
-    /// `speed_mps`. Returns true if the curvature was limited to what the tyres hold.
-    pub fn see_heading(&mut self, lane: usize, heading_rad: f64, driven_m: f64, speed_mps: f64) -> bool {
+    /// `speed_mps`. Returns true if the curvature was limited to what the tyres hold. A slot that stands turns nowhere:
+    /// its wheels come straight, and what SUMO's chord does meanwhile (it can turn) is no turn.
+    pub fn see_heading(
+        &mut self,
+        lane: usize,
+        heading_rad: impl Into<Option<f64>>,
+        driven_m: f64,
+        speed_mps: f64,
+    ) -> bool {
         self.from_per_m[lane] = self.to_per_m[lane];
         let before = self.heading_rad[lane];
+        let heading_rad = heading_rad.into().filter(|_| driven_m > 0.0).unwrap_or(f64::NAN);
         self.heading_rad[lane] = heading_rad;
-        if before.is_nan() || speed_mps < STRAIGHT_BELOW_MPS || driven_m <= 0.0 {
-            // A car that turns while it stands (SUMO's chord can) must not remember that turn.
+        if before.is_nan() || heading_rad.is_nan() || speed_mps < STRAIGHT_BELOW_MPS {
             self.to_per_m[lane] = 0.0;
             return false;
         }

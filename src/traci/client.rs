@@ -1,16 +1,21 @@
-//! The exchange with a running SUMO: one write, one read.
+//! The exchange with a running SUMO: messages out, answers in, in the same order.
+//!
+//! SUMO answers each message as a whole and goes on to the next one that lies in its socket. [`Client::exchange`] sends
+//! one and waits for its answer; [`Client::send`] and [`Client::receive`] keep several under way, so that SUMO works on
+//! the next message while the answer to the last one is being used.
 
+use std::collections::VecDeque;
 use std::fmt;
-use std::io::{Error as IoError, ErrorKind, IoSlice};
+use std::io::{Error as IoError, ErrorKind};
 use std::ops::Range;
 use std::time::Duration;
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
-use tokio::net::tcp::{ReadHalf, WriteHalf};
+use tokio::net::tcp::ReadHalf;
 use tokio::net::{TcpStream, ToSocketAddrs};
 use tokio::time::{Instant, sleep, timeout};
 
-use super::batch::Batch;
+use super::batch::{Batch, Expected};
 use super::error::Error;
 use super::reply::{Index, Reply};
 use super::typed::{Domain, FromValue, Shape, Var};
@@ -66,8 +71,14 @@ impl fmt::Display for SumoVersion {
 #[derive(Debug)]
 pub struct Client {
     stream: TcpStream,
+    outbox: Vec<u8>,
     inbox: Vec<u8>,
-    indices: [Index; 2],
+    /// Bytes at the beginning of the inbox that have been handed out.
+    taken: usize,
+    /// The commands that SUMO has not answered yet, and how many of them each message has.
+    asked: VecDeque<Expected>,
+    messages: VecDeque<usize>,
+    index: Index,
     single: Batch,
     version: SumoVersion,
     timeout: Duration,
@@ -112,8 +123,12 @@ impl Client {
         stream.set_nodelay(true).map_err(Error::Disconnected)?;
         let mut client = Self {
             stream,
+            outbox: Vec::new(),
             inbox: Vec::with_capacity(INBOX_BYTES),
-            indices: [Index::default(), Index::default()],
+            taken: 0,
+            asked: VecDeque::new(),
+            messages: VecDeque::new(),
+            index: Index::default(),
             single: Batch::new(),
             version: SumoVersion::parse(0, ""),
             timeout: deadline.saturating_duration_since(Instant::now()).max(RETRY),
@@ -150,52 +165,91 @@ impl Client {
         self.waited
     }
 
-    /// Sends a batch and gives the reply: one write, one read into a buffer that is reused. Nothing is allocated once
-    /// the buffers have grown. Declined commands are data in the reply, not an error.
+    /// Sends a batch and gives the reply. Nothing is allocated once the buffers have grown. Answers to earlier batches
+    /// that nobody has received are dropped. Declined commands are data in the reply, not an error.
     ///
     /// # Errors
     /// [`Error::Empty`], [`Error::Timeout`], [`Error::Disconnected`], [`Error::Decode`]; the last three, and dropping
     /// the future midway, finish the connection.
     pub async fn exchange(&mut self, batch: &Batch) -> Result<Reply<'_>, Error> {
-        let [end, _] = self.transfer(batch, None).await?;
-        Ok(self.indices[0].reply(&self.inbox[..end]))
+        self.send([batch]).await?;
+        while self.messages.len() > 1 {
+            self.receive().await?;
+        }
+        self.receive().await
     }
 
-    /// Sends two batches in one write and gives both replies with one wait. SUMO works on the second after the first,
-    /// so gets in the second see the state after a step in the first.
+    /// Writes batches one behind the other and does not wait for answers: [`Client::receive`] gives these in the same
+    /// order. SUMO works on a batch after the ones before it, so gets behind a step see the state after it.
     ///
     /// # Errors
     /// As [`Client::exchange`].
-    pub async fn exchange_pipelined(&mut self, first: &Batch, second: &Batch) -> Result<(Reply<'_>, Reply<'_>), Error> {
-        let [middle, end] = self.transfer(first, Some(second)).await?;
-        let [one, two] = &self.indices;
-        Ok((one.reply(&self.inbox[..middle]), two.reply(&self.inbox[middle..end])))
-    }
-
-    async fn transfer(&mut self, first: &Batch, second: Option<&Batch>) -> Result<[usize; 2], Error> {
+    pub async fn send<'b>(&mut self, batches: impl IntoIterator<Item = &'b Batch> + Clone) -> Result<(), Error> {
         if self.finished {
             return Err(Error::Finished);
         }
-        if first.is_empty() || second.is_some_and(Batch::is_empty) {
+        if batches.clone().into_iter().any(Batch::is_empty) {
             return Err(Error::Empty);
         }
-        // Until everything has gone well: a half-read answer must never be taken for the answer to the next batch.
-        self.finished = true;
-        self.inbox.clear();
-        let frames = 1 + usize::from(second.is_some());
-        let asked = Instant::now();
-        let (rx, tx) = self.stream.split();
-        let write = write_all(tx, first.bytes(), second.map_or(&[], Batch::bytes));
-        let read = read_frames(rx, &mut self.inbox, frames);
-        let both = async { tokio::try_join!(write, read) };
-        let ((), ends) = timeout(self.timeout, both).await.map_err(|_| Error::Timeout { after: self.timeout })??;
-        self.waited += asked.elapsed();
-        self.indices[0].fill(&self.inbox[..ends[0]], first.expected())?;
-        if let Some(second) = second {
-            self.indices[1].fill(&self.inbox[ends[0]..ends[1]], second.expected())?;
+        self.outbox.clear();
+        for batch in batches {
+            self.outbox.extend_from_slice(batch.bytes());
+            self.messages.push_back(batch.len());
+            self.asked.extend(batch.expected());
         }
+        // Until everything has gone well: half a message must not be followed by another.
+        self.finished = true;
+        let begun = Instant::now();
+        let (rx, mut tx) = self.stream.split();
+        let write = async { tx.write_all(&self.outbox).await.map_err(Error::Disconnected) };
+        // SUMO does not read on while nobody takes its answers.
+        let written = async {
+            tokio::select! {
+                biased;
+                written = write => written,
+                error = listen(rx, &mut self.inbox) => Err(error),
+            }
+        };
+        timeout(self.timeout, written).await.map_err(|_| Error::Timeout { after: self.timeout })??;
+        self.waited += begun.elapsed();
         self.finished = false;
-        Ok(ends)
+        Ok(())
+    }
+
+    /// Batches that have been sent and whose answers have not been received yet.
+    #[must_use]
+    pub fn under_way(&self) -> usize {
+        self.messages.len()
+    }
+
+    /// The answer to the oldest batch that has been sent and not been received yet.
+    ///
+    /// # Errors
+    /// As [`Client::exchange`]; [`Error::Empty`] if nothing has been asked.
+    pub async fn receive(&mut self) -> Result<Reply<'_>, Error> {
+        if self.finished {
+            return Err(Error::Finished);
+        }
+        let commands = self.messages.pop_front().ok_or(Error::Empty)?;
+        // A half-read answer must never be taken for the answer to the next batch.
+        self.finished = true;
+        if self.taken == self.inbox.len() {
+            self.inbox.clear();
+            self.taken = 0;
+        }
+        let begun = Instant::now();
+        let read = read_frame(&mut self.stream, &mut self.inbox, self.taken);
+        let length = timeout(self.timeout, read).await.map_err(|_| Error::Timeout { after: self.timeout })??;
+        self.waited += begun.elapsed();
+        let frame = self.taken..self.taken + length;
+        self.taken = frame.end;
+        if self.messages.is_empty() && self.inbox.len() > frame.end {
+            // SUMO speaks only when asked.
+            return Err(DecodeError { offset: length, what: "bytes behind the answer" }.into());
+        }
+        self.index.fill(&self.inbox[frame.clone()], self.asked.drain(..commands))?;
+        self.finished = false;
+        Ok(self.index.reply(&self.inbox[frame]))
     }
 
     /// Sends a batch with one command built by `build`, and fails if SUMO declines it.
@@ -203,13 +257,14 @@ impl Client {
         let mut batch = std::mem::take(&mut self.single);
         batch.clear();
         let built = build(&mut batch);
-        let sent = match built {
-            Ok(built) => self.transfer(&batch, None).await.map(|ends| (built, ends)),
-            Err(error) => Err(error),
+        let sent = match &built {
+            Ok(_) => self.exchange(&batch).await.map(|reply| reply.frame().len()),
+            Err(_) => Ok(0),
         };
         self.single = batch;
-        let (built, [end, _]) = sent?;
-        let reply = self.indices[0].reply(&self.inbox[..end]);
+        let built = built?;
+        let length = sent?;
+        let reply = self.index.reply(&self.inbox[self.taken - length..self.taken]);
         match reply.refusals().next() {
             Some((_, refusal)) => Err(Error::refused(refusal)),
             None => Ok((built, reply)),
@@ -309,45 +364,31 @@ impl Client {
     }
 }
 
-/// Writes both messages, with one system call if the socket takes them.
-async fn write_all(mut tx: WriteHalf<'_>, first: &[u8], second: &[u8]) -> Result<(), Error> {
-    let mut slices = [IoSlice::new(first), IoSlice::new(second)];
-    let mut left = &mut slices[..];
-    IoSlice::advance_slices(&mut left, 0);
-    while !left.is_empty() {
-        match tx.write_vectored(left).await.map_err(Error::Disconnected)? {
-            0 => return Err(Error::Disconnected(ErrorKind::WriteZero.into())),
-            count => IoSlice::advance_slices(&mut left, count),
+/// Takes what SUMO says until it says no more.
+async fn listen(mut rx: ReadHalf<'_>, inbox: &mut Vec<u8>) -> Error {
+    loop {
+        inbox.reserve(INBOX_BYTES);
+        match rx.read_buf(inbox).await {
+            Ok(0) => return Error::Disconnected(ErrorKind::UnexpectedEof.into()),
+            Ok(_) => {}
+            Err(error) => return Error::Disconnected(error),
         }
     }
-    Ok(())
 }
 
-/// Reads one or two frames and gives their ends. Bytes behind them are an error: SUMO speaks only when asked.
-async fn read_frames(mut rx: ReadHalf<'_>, inbox: &mut Vec<u8>, frames: usize) -> Result<[usize; 2], Error> {
-    let mut ends = [0; 2];
-    let mut start = 0;
-    for end in ends.iter_mut().take(frames) {
-        loop {
-            let missing = match frame_length(&inbox[start..])? {
-                Some(length) if inbox.len() - start >= length => {
-                    start += length;
-                    *end = start;
-                    break;
-                }
-                Some(length) => start + length - inbox.len(),
-                None => 4,
-            };
-            inbox.reserve(missing.min(INBOX_BYTES));
-            if rx.read_buf(inbox).await.map_err(Error::Disconnected)? == 0 {
-                return Err(Error::Disconnected(IoError::from(ErrorKind::UnexpectedEof)));
-            }
+/// Reads until a whole frame lies at `start`; gives its length.
+async fn read_frame(stream: &mut TcpStream, inbox: &mut Vec<u8>, start: usize) -> Result<usize, Error> {
+    loop {
+        let missing = match frame_length(&inbox[start..])? {
+            Some(length) if inbox.len() - start >= length => return Ok(length),
+            Some(length) => start + length - inbox.len(),
+            None => 4,
+        };
+        inbox.reserve(missing.min(INBOX_BYTES));
+        if stream.read_buf(inbox).await.map_err(Error::Disconnected)? == 0 {
+            return Err(Error::Disconnected(IoError::from(ErrorKind::UnexpectedEof)));
         }
     }
-    if inbox.len() > start {
-        return Err(DecodeError { offset: start, what: "bytes behind the answer" }.into());
-    }
-    Ok(ends)
 }
 
 #[cfg(test)]
@@ -397,8 +438,28 @@ mod tests {
         let (mut first, mut gets) = (Batch::new(), Batch::new());
         first.step().unwrap();
         let speed = gets.get(vehicle::SPEED, "a").unwrap();
-        let (reply, values) = client.exchange_pipelined(&first, &gets).await.unwrap();
-        assert_eq!((reply.len(), values.get(speed).unwrap()), (1, 3.0));
+        client.send([&first, &gets]).await.unwrap();
+        assert_eq!(client.receive().await.unwrap().len(), 1);
+        assert_eq!(client.receive().await.unwrap().get(speed).unwrap(), 3.0);
+        assert!(matches!(client.receive().await, Err(Error::Empty)), "nothing is under way");
+    }
+
+    #[tokio::test]
+    async fn answers_come_in_the_order_of_the_messages_and_may_be_left_unread() {
+        let refused = [b"\0\0\0\x0f\x0b\xc4\xff\0\0\0\x04gone".as_slice(), &STEPPED, &STEPPED].concat();
+        let mut client = Client::connect(peer(vec![refused]).await, LIMIT).await.unwrap();
+        let (mut speeds, mut step) = (Batch::new(), Batch::new());
+        speeds.set_speed(&super::super::Prefix::new("a").unwrap(), 1.0).unwrap();
+        step.step().unwrap();
+        client.send([&speeds]).await.unwrap();
+        client.send([&step]).await.unwrap();
+        assert_eq!(client.under_way(), 2);
+        let reply = client.receive().await.unwrap();
+        assert_eq!(reply.refusal(0).unwrap().text, "gone");
+        assert_eq!(client.exchange(&step).await.unwrap().block_count(), 0, "the answer to the first step is dropped");
+        assert_eq!(client.under_way(), 0);
+        assert!(matches!(client.send([&step, &Batch::new()]).await, Err(Error::Empty)));
+        assert_eq!(client.under_way(), 0, "nothing of it was sent");
     }
 
     #[tokio::test]

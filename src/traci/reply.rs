@@ -52,16 +52,20 @@ impl Index {
         if frame_length(frame)? != Some(frame.len()) {
             return Err(DecodeError { offset: 0, what: "frame length differs from the bytes there" });
         }
-        self.fill(frame, batch.expected())?;
+        self.fill(frame, batch.expected().iter().copied())?;
         Ok(self.reply(frame))
     }
 
-    pub(super) fn fill(&mut self, frame: &[u8], expected: &[Expected]) -> Result<(), DecodeError> {
+    pub(super) fn fill(
+        &mut self,
+        frame: &[u8],
+        expected: impl IntoIterator<Item = Expected>,
+    ) -> Result<(), DecodeError> {
         self.marks.clear();
         (self.refusals, self.blocks, self.blocks_at) = (0, 0, 0);
         let mut reader = Reader::new(frame, 4);
         for command in expected {
-            let mark = self.answer(&mut reader, *command)?;
+            let mark = self.answer(&mut reader, command)?;
             self.refusals += usize::from(mark.refusal != 0);
             self.marks.push(mark);
         }

@@ -18,15 +18,21 @@ fn demand() -> String {
     CAR.to_owned() + &vehicles.collect::<String>()
 }
 
-fn free_port() -> u16 {
+pub fn free_port() -> u16 {
     TcpListener::bind(("127.0.0.1", 0)).unwrap().local_addr().unwrap().port()
 }
 
 /// Starts SUMO as somebody else would: 1 s steps, ballistic, with its own outputs.
-fn somebodys_sumo(version: &str, config: &Path, port: u16, clients: &str) -> Running {
+pub fn somebodys_sumo(version: &str, config: &Path, port: u16, clients: &str) -> Running {
     let home = sumo_home(version);
     let mut command = Command::new(home.join("bin/sumo"));
-    command.env("SUMO_HOME", &home).arg("-c").arg(config).args(["--num-clients", clients, "--no-step-log"]);
+    command.env("SUMO_HOME", &home).arg("-c").arg(config).args([
+        "--num-clients",
+        clients,
+        "--no-step-log",
+        "--seed",
+        "23423",
+    ]);
     command.args(["--step-length", "0.5", "--step-method.ballistic", "true", "--remote-port", &port.to_string()]);
     command.arg("--tripinfo-output").arg(config.with_file_name("theirs.xml"));
     Running::start(command)

@@ -1,5 +1,6 @@
 //! The same bytes from the same seed, on any number of threads, and from the resolved scenario.
 
+use crate::clients::{free_port, somebodys_sumo};
 use crate::support::{NEW, Outcome, Running, own, program, repository, run};
 use std::fs;
 
@@ -36,6 +37,25 @@ fn law_the_resolved_scenario_gives_the_same_result() {
         let [direct, resolved] = [run(NEW, &scenario, &args), run(NEW, &resolved, &[])];
         for file in ["vehicles.csv", "edges.csv", "sample.csv"] {
             assert!(direct.bytes(file) == resolved.bytes(file), "{file} of {}", scenario.display());
+        }
+    }
+}
+
+/// A SUMO of our own is asked in several messages, told speeds while other bodies still drive, and not told what it
+/// knows; a shared one is told everything in one message, and read by subscriptions. It is the same drive.
+#[test]
+fn law_how_sumo_is_asked_and_told_changes_nothing() {
+    let args = ["--end", "240", "--step-length", "0.5", "--trace", "all", "--trace-period", "5"];
+    let first = run(NEW, &own("city"), &args);
+    let port = free_port();
+    let sumo = somebodys_sumo(NEW, &own("city"), port, "1");
+    let shared = run(NEW, &own("city"), &[&args[..], &["--connect", &format!("127.0.0.1:{port}")]].concat());
+    assert_eq!(sumo.wait().code, Some(0));
+    assert!(first.bytes("trace.csv") == shared.bytes("trace.csv"), "trace.csv");
+    assert!(first.vehicles().len() > 256, "more than one convoy");
+    for (own, theirs) in first.vehicles().iter().zip(shared.vehicles()) {
+        for column in ["id", "samples", "error_rms", "speed_gap_rms", "torque_rms", "odometer_gap", "share_traffic"] {
+            assert_eq!(own[column], theirs[column], "{column} of {}", own["id"]);
         }
     }
 }

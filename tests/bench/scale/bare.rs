@@ -54,7 +54,9 @@ impl Bare {
             }
             return;
         };
-        let (_, reply) = self.client.exchange_pipelined(&self.act, read).await.expect("SUMO steps");
+        self.client.send([&self.act, read]).await.expect("SUMO listens");
+        self.client.receive().await.expect("SUMO steps");
+        let reply = self.client.receive().await.expect("SUMO answers");
         for (i, (_, speed_mps)) in self.cars.iter_mut().enumerate() {
             let (speed, _angle) = (reply.f64(2 * i), reply.f64(2 * i + 1));
             *speed_mps = speed.unwrap_or_default();
