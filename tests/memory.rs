@@ -38,6 +38,12 @@ fn held(stats: &Stats) -> i64 {
 
 /// Every car of `config` equipped, in a pool of two threads: makes the first steps, then counts over the rest.
 fn count(config: &Path, controller: &str, step_s: f64, first: u32, then: u32) -> (usize, Stats) {
+    let (egos, _, then) = count_both(config, controller, step_s, first, then);
+    (egos, then)
+}
+
+/// The same, and what was counted from joining SUMO to the end of the first steps.
+fn count_both(config: &Path, controller: &str, step_s: f64, first: u32, then: u32) -> (usize, Stats, Stats) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     let request = Request::file(config)
@@ -50,10 +56,12 @@ fn count(config: &Path, controller: &str, step_s: f64, first: u32, then: u32) ->
     let carry_out = async {
         let mut process = SumoProcess::spawn(&sumo, &arguments.map(str::to_owned), None, folder.path()).unwrap();
         let client = process.connect(PATIENCE).await.unwrap();
+        let region = Region::new(COUNTING);
         let mut world = World::join(client, run::world(&scenario).unwrap()).await.unwrap();
         for _ in 0..first {
             world.step().await.unwrap();
         }
+        let begun = region.change();
         let egos = world.state.book.len();
         let region = Region::new(COUNTING);
         for _ in 0..then {
@@ -63,7 +71,7 @@ fn count(config: &Path, controller: &str, step_s: f64, first: u32, then: u32) ->
         assert_eq!(world.state.book.len(), egos, "nobody departs or arrives in this test");
         world.close().await.1.unwrap();
         process.shut_down(PATIENCE).await.unwrap();
-        (egos, stats)
+        (egos, begun, stats)
     };
     pool.install(|| runtime.block_on(carry_out))
 }
@@ -136,8 +144,20 @@ fn bytes_per_vehicle(dead_time_max_s: f64) -> i64 {
 fn an_ego_takes_at_most_four_kilobytes() {
     let _turn = TURN.lock();
     let (prompt, late) = (bytes_per_vehicle(0.0), bytes_per_vehicle(0.25));
-    println!("bytes per vehicle: {prompt}, with 250 ms of dead time {late}");
-    // What else is kept of an ego (ids, the message, SUMO's answer) is below 1 kB.
+    println!("columns, bytes per ego: {prompt}, with 250 ms of dead time {late}");
     assert!(prompt < 3072 && late < 4096 - 512, "bytes per vehicle: {prompt}, with 250 ms of dead time {late}");
     assert!(late > prompt, "the dead time takes room: {late} against {prompt}");
+
+    // All that a world holds of an ego, ids, messages and SUMO's answers included: whole blocks more or less of them.
+    let folder = tempfile::tempdir().unwrap();
+    let [few, many] = [32, 56].map(|cars_per_edge| {
+        let config = straight_road(folder.path(), &queues(cars_per_edge));
+        let (egos, begun, _) = count_both(&config, "adaptive", 0.1, 60, 1);
+        (egos as i64, held(&begun))
+    });
+    assert_eq!((few.0, many.0), (64, 112));
+    let whole = (many.1 - few.1) / (many.0 - few.0);
+    println!("whole world, bytes per ego: {whole}");
+    assert!(whole < 4096, "bytes per ego: {whole}");
+    assert!(whole > prompt, "the columns are part of it: {whole} against {prompt}");
 }

@@ -14,6 +14,10 @@ use crate::traci::{Batch, BatchError, Handle, Prefix, Reply, vehicle, vehicletyp
 use std::collections::HashMap;
 use std::sync::Arc;
 
+/// Vehicles that are asked about in one message, some 60 questions each: a crowd that departs at once must not make the
+/// buffers large for good.
+const ASKED_AT_ONCE: usize = 64;
+
 /// What is known of vTypes.
 #[derive(Default)]
 pub struct TypeBook(HashMap<String, TypeFacts>);
@@ -67,22 +71,23 @@ struct Facts {
 impl World {
     /// Decides on all vehicles that have departed since the last step.
     pub(super) async fn admit_waiting(&mut self) -> Result<(), CosimError> {
-        if self.state.waiting.is_empty() {
-            return Ok(());
-        }
-        let facts = self.ask_vehicles().await?;
-        self.ask_types(&facts).await?;
-        for vehicle in facts {
-            self.admit(vehicle)?;
+        let mut waiting = std::mem::take(&mut self.state.waiting);
+        while !waiting.is_empty() {
+            let some = waiting.drain(..waiting.len().min(ASKED_AT_ONCE)).collect();
+            let facts = self.ask_vehicles(some).await?;
+            self.ask_types(&facts).await?;
+            for vehicle in facts {
+                self.admit(vehicle)?;
+            }
         }
         Ok(())
     }
 
-    async fn ask_vehicles(&mut self) -> Result<Vec<Facts>, CosimError> {
+    async fn ask_vehicles(&mut self, ids: Vec<String>) -> Result<Vec<Facts>, CosimError> {
         self.batch.clear();
         let leads = self.state.targets.iter().any(|t| !matches!(t, Target::Traffic));
-        let mut asked = Vec::with_capacity(self.state.waiting.len());
-        for id in std::mem::take(&mut self.state.waiting) {
+        let mut asked = Vec::with_capacity(ids.len());
+        for id in ids {
             match ask_vehicle(&mut self.batch, &id, leads, self.sigma.is_some()) {
                 Ok(questions) => asked.push(questions),
                 // Too long an id; what was asked of it so far is answered and left unread.
