@@ -37,7 +37,7 @@ use crate::scenario::{Equipped, Group, Selector};
 use crate::traci::{self, Batch, Client, Domain};
 use book::{Ego, EgoKey, Presence};
 use convoy::{Convoy, Member};
-use newcomers::TypeBook;
+use newcomers::{Facts, Questions, TypeBook};
 use state::State;
 
 /// TraCI variables that are read in every step.
@@ -158,6 +158,10 @@ pub struct World {
     /// shared, and the console not ours, vehicles are subscribed to.
     convoys: Vec<Convoy>,
     convoys_for: u64,
+    /// Questions about vehicles that have departed, under way; and the answers that are there.
+    asked: Vec<Questions>,
+    facts: Vec<Facts>,
+    /// Egos that SUMO has not been told of yet.
     newcomers: Vec<EgoKey>,
     /// What the replies said, and the fleet that follows them.
     pub state: State,
@@ -198,6 +202,8 @@ impl World {
             fault: setup.fault,
             convoys: Vec::new(),
             convoys_for: 0,
+            asked: Vec::new(),
+            facts: Vec::new(),
             newcomers: Vec::new(),
             state,
         })
@@ -242,6 +248,8 @@ impl World {
         }
         if self.subscribes() {
             self.state.settle_silent();
+        } else {
+            self.ask_about_newcomers().await?;
         }
         for place in 0..self.convoys.len() {
             if at_once {
@@ -250,7 +258,7 @@ impl World {
             self.state.advance_followers(convoy::blocks(place), &self.convoys[place].members, follow);
             self.tell(place).await?;
         }
-        Ok(())
+        self.hear_of_newcomers().await
     }
 
     /// Sends what was composed and reads what the step says.

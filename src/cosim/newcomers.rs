@@ -1,6 +1,6 @@
 //! Vehicles that have departed: what must be known of them, who becomes an ego, and with which body.
 //!
-//! A vehicle that SUMO reports as departed has not moved yet. One more exchange, only in steps with departures, asks for
+//! A vehicle that SUMO reports as departed has not moved yet. One more message, only in steps with departures, asks for
 //! its type, speed and parameters (and once for those of a new type), so that the next message can already carry its
 //! body's speed and its subscription.
 
@@ -23,7 +23,7 @@ const ASKED_AT_ONCE: usize = 64;
 pub struct TypeBook(HashMap<String, TypeFacts>);
 
 /// Where the answers about one vehicle will be.
-struct Questions {
+pub(super) struct Questions {
     id: String,
     prefix: Prefix,
     type_id: Handle<String>,
@@ -56,7 +56,7 @@ struct TypeQuestions {
 }
 
 /// The answers about one vehicle.
-struct Facts {
+pub(super) struct Facts {
     id: String,
     prefix: Prefix,
     type_id: String,
@@ -69,24 +69,49 @@ struct Facts {
 }
 
 impl World {
-    /// Decides on all vehicles that have departed since the last step.
+    /// Decides on all vehicles that have departed since the last step: those of which the answers are there, and those
+    /// that were not asked about yet.
     pub(super) async fn admit_waiting(&mut self) -> Result<(), CosimError> {
+        let mut vehicles = std::mem::take(&mut self.facts);
         let mut waiting = std::mem::take(&mut self.state.waiting);
         while !waiting.is_empty() {
-            let some = waiting.drain(..waiting.len().min(ASKED_AT_ONCE)).collect();
-            let facts = self.ask_vehicles(some).await?;
-            self.ask_types(&facts).await?;
-            for vehicle in facts {
-                self.admit(vehicle)?;
+            let asked = self.question(waiting.drain(..waiting.len().min(ASKED_AT_ONCE)));
+            if !asked.is_empty() {
+                vehicles.extend(answers(asked, &self.client.exchange(&self.batch).await?));
             }
+        }
+        self.ask_types(&vehicles).await?;
+        for vehicle in vehicles {
+            self.admit(vehicle)?;
         }
         Ok(())
     }
 
-    async fn ask_vehicles(&mut self, ids: Vec<String>) -> Result<Vec<Facts>, CosimError> {
+    /// Asks about vehicles that departed in the step just read, as many as one message may be about. SUMO answers while
+    /// the bodies drive.
+    pub(super) async fn ask_about_newcomers(&mut self) -> Result<(), CosimError> {
+        let mut waiting = std::mem::take(&mut self.state.waiting);
+        self.asked = self.question(waiting.drain(..waiting.len().min(ASKED_AT_ONCE)));
+        self.state.waiting = waiting;
+        if !self.asked.is_empty() {
+            self.client.send([&self.batch]).await?;
+        }
+        Ok(())
+    }
+
+    /// Takes the answers to that.
+    pub(super) async fn hear_of_newcomers(&mut self) -> Result<(), CosimError> {
+        if !self.asked.is_empty() {
+            self.facts = answers(std::mem::take(&mut self.asked), &self.client.receive().await?);
+        }
+        Ok(())
+    }
+
+    /// Writes the questions about vehicles.
+    fn question(&mut self, ids: impl Iterator<Item = String>) -> Vec<Questions> {
         self.batch.clear();
         let leads = self.state.targets.iter().any(|t| !matches!(t, Target::Traffic));
-        let mut asked = Vec::with_capacity(ids.len());
+        let mut asked = Vec::new();
         for id in ids {
             match ask_vehicle(&mut self.batch, &id, leads, self.sigma.is_some()) {
                 Ok(questions) => asked.push(questions),
@@ -94,11 +119,7 @@ impl World {
                 Err(error) => self.state.refused.push((id, error.to_string())),
             }
         }
-        if asked.is_empty() {
-            return Ok(Vec::new());
-        }
-        let reply = self.client.exchange(&self.batch).await?;
-        Ok(asked.into_iter().filter_map(|questions| questions.answers(&reply)).collect())
+        asked
     }
 
     async fn ask_types(&mut self, vehicles: &[Facts]) -> Result<(), CosimError> {
@@ -185,6 +206,10 @@ impl World {
         self.newcomers.push(key);
         Ok(())
     }
+}
+
+fn answers(asked: Vec<Questions>, reply: &Reply<'_>) -> Vec<Facts> {
+    asked.into_iter().filter_map(|questions| questions.answers(reply)).collect()
 }
 
 fn ask_vehicle(batch: &mut Batch, id: &str, leads: bool, sigma: bool) -> Result<Questions, BatchError> {
