@@ -5,6 +5,7 @@
 //! Frames and signs: see [`seven_dof`].
 
 pub mod actuator;
+mod axle;
 pub mod body;
 pub mod integrator;
 mod kernel;
@@ -21,7 +22,7 @@ pub use actuator::{Actuated, Actuators};
 pub use body::{BODIES, BODY_KEYS, Body};
 use integrator::Moment;
 pub use kernel::{InstructionSet, SevenDof};
-use seven_dof::{CAR_COLUMNS, Car, Drive, peaks, tyre_forces};
+use seven_dof::{CAR_COLUMNS, Car, Drive, angles, slips};
 use trig::Libm;
 
 /// State of motion of one vehicle.
@@ -160,10 +161,9 @@ impl PlantBlock {
     /// Slip ratios τ of front and rear axle of a slot, mean of left and right, at the steer angle `steer_rad`.
     pub fn slip(&self, slot: usize, steer_rad: f64) -> [f64; 2] {
         let car = Car::pick(&self.cars, slot);
-        let drive = Drive::new::<Libm>(&car, 0.0, steer_rad, 0.0, 0.0, 0.0);
-        let moment = self.moment(slot);
-        let slip = tyre_forces::<Libm>(&car, &drive, &peaks(&car, &drive, moment.acceleration), &moment.x).along;
-        [0.5 * (slip[0].slip + slip[1].slip), 0.5 * (slip[2].slip + slip[3].slip)]
+        let drive = Drive::new(&car, 0.0, 0.0, &angles::<Libm>(steer_rad, 0.0, 0.0));
+        let slip = slips(&car, &drive, &self.moment(slot).x).slip;
+        [0.5 * (slip[0] + slip[1]), 0.5 * (slip[2] + slip[3])]
     }
 
     #[inline(always)]

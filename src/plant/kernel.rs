@@ -5,7 +5,7 @@
 //! fused products and with polynomials in place of the platform's trigonometry all three give the same bits.
 
 use super::integrator::substep;
-use super::seven_dof::{Car, Drive};
+use super::seven_dof::{Car, Drive, angles};
 use super::trig::{Libm, Polynomial, Trig};
 use super::{Inputs, Plant, PlantBlock};
 use crate::lanes::{Flags, LANES};
@@ -101,14 +101,8 @@ impl Plant for SevenDof {
 #[inline(always)]
 pub fn acting<T: Trig>(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
     let car = Car::pick(&block.cars, lane);
-    let drive = Drive::new::<T>(
-        &car,
-        inputs.torque_nm[lane],
-        inputs.steer_rad[lane],
-        inputs.grade_rad[lane],
-        inputs.bank_rad[lane],
-        inputs.headwind_mps[lane],
-    );
+    let angles = angles::<T>(inputs.steer_rad[lane], inputs.grade_rad[lane], inputs.bank_rad[lane]);
+    let drive = Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], &angles);
     (car, drive)
 }
 
