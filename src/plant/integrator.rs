@@ -164,8 +164,9 @@ pub fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> (
 fn hold(car: &Car, drive: &Drive, x: &Vector, mut next: Vector) -> Vector {
     let brake = 2.0 * (drive.brake[0] + drive.brake[1]);
     let crossed = (next[0] * x[0] < 0.0) | (next[0].abs() <= HOLD_MPS);
-    let fastest = next[3..].iter().fold(0.0, |fastest, speed| larger(speed.abs(), fastest));
-    let otherwise = larger(larger(next[1].abs(), next[2].abs()), car.radius * fastest);
+    let [_, sideways, yaw, fl, fr, rl, rr] = next.map(f64::abs);
+    let rim = car.radius * larger(larger(fl, fr), larger(rl, rr));
+    let otherwise = larger(larger(sideways, yaw), rim);
     let quiet = otherwise <= HOLD_OTHERWISE;
     let mut still = next;
     still[0] = 0.0;

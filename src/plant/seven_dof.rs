@@ -265,27 +265,25 @@ fn within_one(a: f64) -> f64 {
 #[inline(always)]
 pub fn slips(car: &Car, drive: &Drive, x: &Vector) -> Slips {
     let mut slips = Slips { slip: [0.0; 6], per_speed: [0.0; 6], limit: [0.0; 6] };
-    let mut slip = |tyre: usize, speed: f64, scale: f64, stiffness: f64| {
-        let scale = larger(scale, FLOOR_MPS);
-        let slides = speed.abs() > 1e-7;
+    let [front, rear] = drive.axles(car);
+    let v = [x[0], x[1], x[2]];
+    let ([fl, fr, f], ahead) = front.speeds(v);
+    let ([rl, rr, r], back) = rear.speeds(v);
+    let hub = [fl, fr, rl, rr, ahead, back];
+    let rim = [car.radius * x[3], car.radius * x[4], car.radius * x[5], car.radius * x[6], 0.0, 0.0];
+    let speed = [rim[0] - hub[0], rim[1] - hub[1], rim[2] - hub[2], rim[3] - hub[3], -f, -r];
+    for i in 0..6 {
+        let tyre = if i < 4 { &car.longitudinal[i / 2] } else { &car.lateral[i - 4] };
+        let scale = larger(larger(rim[i].abs(), hub[i].abs()), FLOOR_MPS);
+        let slides = speed[i].abs() > 1e-7;
         // One division for both reciprocals.
-        let safe = choose(slides, speed, 1.0);
+        let safe = choose(slides, speed[i], 1.0);
         let both = 1.0 / (scale * safe);
         let per_scale = both * safe;
-        slips.slip[tyre] = speed * per_scale;
-        slips.per_speed[tyre] = choose(slides, both * scale, 0.0);
-        slips.limit[tyre] = choose(slides, 0.0, stiffness * per_scale);
-    };
-    for (i, axle) in drive.axles(car).into_iter().enumerate() {
-        let ([left, right, across], ahead) = axle.speeds([x[0], x[1], x[2]]);
-        for (wheel, hub) in [(2 * i, left), (2 * i + 1, right)] {
-            let rim = car.radius * x[3 + wheel];
-            slip(wheel, rim - hub, larger(rim.abs(), hub.abs()), car.longitudinal[i].slope_per_peak());
-        }
-        slip(4 + i, -across, ahead.abs(), car.lateral[i].slope_per_peak());
-    }
-    for wheel in 0..4 {
-        slips.slip[wheel] = within_one(slips.slip[wheel]);
+        let slip = speed[i] * per_scale;
+        slips.slip[i] = if i < 4 { within_one(slip) } else { slip };
+        slips.per_speed[i] = choose(slides, both * scale, 0.0);
+        slips.limit[i] = choose(slides, 0.0, tyre.slope_per_peak() * per_scale);
     }
     slips
 }
