@@ -9,6 +9,7 @@ mod axle;
 pub mod body;
 pub mod integrator;
 mod kernel;
+mod loops;
 pub mod oracle;
 mod point_mass;
 pub mod seven_dof;
@@ -22,7 +23,7 @@ pub use actuator::{Actuated, Actuators};
 pub use body::{BODIES, BODY_KEYS, Body};
 use integrator::Moment;
 pub use kernel::{InstructionSet, SevenDof};
-use seven_dof::{CAR_COLUMNS, Car, Drive, angles, slips};
+use seven_dof::{CAR_COLUMNS, Car, Drive, sine_and_cosine, slips};
 use trig::Libm;
 
 /// State of motion of one vehicle.
@@ -161,7 +162,7 @@ impl PlantBlock {
     /// Slip ratios τ of front and rear axle of a slot, mean of left and right, at the steer angle `steer_rad`.
     pub fn slip(&self, slot: usize, steer_rad: f64) -> [f64; 2] {
         let car = Car::pick(&self.cars, slot);
-        let drive = Drive::new(&car, 0.0, 0.0, &angles::<Libm>(steer_rad, 0.0, 0.0));
+        let drive = Drive::new(&car, 0.0, 0.0, [steer_rad, 0.0, 0.0].map(sine_and_cosine::<Libm>));
         let slip = slips(&car, &drive, &self.moment(slot).x).slip;
         [0.5 * (slip[0] + slip[1]), 0.5 * (slip[2] + slip[3])]
     }

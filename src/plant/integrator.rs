@@ -19,7 +19,7 @@
 //! The wheels do not see each other, so that A is diagonal in them; eliminating them leaves three unknowns. Where a wheel
 //! loses momentum the body gains it, in A as in f.
 
-use super::seven_dof::{Car, Drive, Forces, Slips, Vector, forces, larger, peaks, rates, road_forces, shapes, slips};
+use super::seven_dof::{Car, Drive, Forces, Vector, larger, peaks, rates, road_forces, tyre_forces};
 use super::trig::{Trig, choose};
 
 /// γ = 1 − 1/√2: of the two values that make the method L-stable the one with the smaller error.
@@ -43,78 +43,53 @@ pub struct Moment {
 }
 
 /// Advances by one substep of `h` seconds.
-#[inline(always)]
 pub fn substep<T: Trig>(car: &Car, drive: &Drive, now: &Moment, h: f64) -> Moment {
     let peak = peaks(car, drive, now.acceleration);
-    let slips = slips(car, drive, &now.x);
-    let half = first_stage(car, drive, &now.x, &peak, &slips, &shapes::<T>(car, &slips.slip), h);
-    let slips = slips_amid(car, drive, &now.x, &half, h);
-    second_stage(car, drive, now, &peak, &half, &slips, &shapes::<T>(car, &slips.slip), h)
+    let half = first_stage(car, drive, now, &tyre_forces::<T>(car, drive, &peak, &now.x), h);
+    let forces = tyre_forces::<T>(car, drive, &peak, &half.middle(now, h));
+    second_stage(car, drive, now, &half, &forces, h)
 }
 
 /// What the first stage hands on to the second.
 #[derive(Debug, Clone, Copy)]
 pub struct Half {
-    /// k.
+    /// The rates k.
     pub k: Vector,
-    /// Torques C_mi − C_fi of the wheels, and whether they turn.
+    /// Torques C_mi − C_fi of the wheels [N·m].
     pub torque: [f64; 4],
+    /// 1 for a wheel that turns, 0 for one that its brake holds.
     pub free: [f64; 4],
 }
 
 impl Half {
+    /// The state x + h/2·k.
     #[inline(always)]
-    fn middle(&self, x: &Vector, h: f64) -> Vector {
+    pub fn middle(&self, now: &Moment, h: f64) -> Vector {
         let mut middle = [0.0; 7];
         for i in 0..7 {
-            middle[i] = x[i] + 0.5 * h * self.k[i];
+            middle[i] = now.x[i] + 0.5 * h * self.k[i];
         }
         middle
     }
 }
 
-/// Slips in the middle of the substep
+/// The first stage, with the tyre forces at the beginning of the substep.
 #[inline(always)]
-pub fn slips_amid(car: &Car, drive: &Drive, x: &Vector, half: &Half, h: f64) -> Slips {
-    slips(car, drive, &half.middle(x, h))
+pub fn first_stage(car: &Car, drive: &Drive, now: &Moment, forces: &Forces, h: f64) -> Half {
+    let (torque, free) = wheel_torques(car, drive, &now.x, forces);
+    let right = rates(car, drive, &now.x, forces, &torque, &free);
+    Half { k: solve(car, drive, &now.x, forces, &free, &right, h), torque, free }
 }
 
+/// The second stage, with the tyre forces in the middle of the substep; gives its end.
 #[inline(always)]
-pub fn first_stage(
-    car: &Car,
-    drive: &Drive,
-    x: &Vector,
-    peak: &[f64; 4],
-    slips: &Slips,
-    shape: &[f64; 6],
-    h: f64,
-) -> Half {
-    let forces = forces(car, peak, slips, shape);
-    let (torque, free) = wheel_torques(car, drive, x, &forces);
-    let right = rates(car, drive, x, &forces, &torque, &free);
-    let k = solve(car, drive, x, &forces, &free, &right, h);
-    Half { k, torque, free }
-}
-
-#[inline(always)]
-#[allow(clippy::too_many_arguments)]
-pub fn second_stage(
-    car: &Car,
-    drive: &Drive,
-    now: &Moment,
-    peak: &[f64; 4],
-    half: &Half,
-    slips: &Slips,
-    shape: &[f64; 6],
-    h: f64,
-) -> Moment {
-    let middle = half.middle(&now.x, h);
-    let forces = forces(car, peak, slips, shape);
-    let mut right = rates(car, drive, &middle, &forces, &half.torque, &half.free);
+pub fn second_stage(car: &Car, drive: &Drive, now: &Moment, half: &Half, forces: &Forces, h: f64) -> Moment {
+    let middle = half.middle(now, h);
+    let mut right = rates(car, drive, &middle, forces, &half.torque, &half.free);
     for i in 0..7 {
         right[i] -= half.k[i];
     }
-    let d = solve(car, drive, &middle, &forces, &half.free, &right, h);
+    let d = solve(car, drive, &middle, forces, &half.free, &right, h);
     let mut next = [0.0; 7];
     for i in 0..7 {
         next[i] = now.x[i] + h * (half.k[i] + d[i]);

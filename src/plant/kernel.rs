@@ -4,11 +4,12 @@
 //! that is not inlined: the compiler makes vector code of it. It is compiled three times and chosen at run time; without
 //! fused products and with polynomials in place of the platform's trigonometry all three give the same bits.
 
-use super::integrator::{Half, first_stage, second_stage, slips_amid, substep};
-use super::seven_dof::{Car, Drive, Slips, angles, peaks, slips};
-use super::trig::{Libm, Polynomial, Trig};
+use super::integrator::substep;
+use super::loops::advance_lanes;
+use super::seven_dof::{Car, Drive, sine_and_cosine};
+use super::trig::Libm;
 use super::{Inputs, Plant, PlantBlock};
-use crate::lanes::{Flags, LANES, Lanes};
+use crate::lanes::{Flags, LANES};
 
 /// Vector instructions that a block can be advanced with. All give the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +69,7 @@ impl SevenDof {
     pub fn advance_scalar(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
         let (count, h) = self.substeps(period_s);
         for lane in (0..LANES).filter(|&lane| moving[lane] > 0.0) {
-            let (car, drive) = acting::<Libm>(block, inputs, lane);
+            let (car, drive) = acting(block, inputs, lane);
             let mut moment = block.moment(lane);
             for _ in 0..count {
                 moment = substep::<Libm>(&car, &drive, &moment, h);
@@ -98,126 +99,11 @@ impl Plant for SevenDof {
 }
 
 /// The vehicle in a lane and what acts on it.
-#[inline(always)]
-pub fn acting<T: Trig>(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
+pub fn acting(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
     let car = Car::pick(&block.cars, lane);
-    let angles = angles::<T>(inputs.steer_rad[lane], inputs.grade_rad[lane], inputs.bank_rad[lane]);
-    let drive = Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], &angles);
-    (car, drive)
-}
-
-/// Numbers that one loop over the lanes leaves to the next.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-struct Columns<const K: usize>([Lanes; K]);
-
-impl<const K: usize> Columns<K> {
-    fn new() -> Self {
-        Self([[0.0; LANES]; K])
-    }
-
-    #[inline(always)]
-    fn put(&mut self, lane: usize, values: &[f64; K]) {
-        for k in 0..K {
-            self.0[k][lane] = values[k];
-        }
-    }
-
-    #[inline(always)]
-    fn get(&self, lane: usize) -> [f64; K] {
-        let mut values = [0.0; K];
-        for k in 0..K {
-            values[k] = self.0[k][lane];
-        }
-        values
-    }
-}
-
-struct SlipColumns {
-    slip: Columns<6>,
-    per_speed: Columns<6>,
-    limit: Columns<6>,
-}
-
-impl SlipColumns {
-    #[inline(always)]
-    fn put(&mut self, lane: usize, slips: &Slips) {
-        self.slip.put(lane, &slips.slip);
-        self.per_speed.put(lane, &slips.per_speed);
-        self.limit.put(lane, &slips.limit);
-    }
-
-    #[inline(always)]
-    fn get(&self, lane: usize) -> Slips {
-        Slips { slip: self.slip.get(lane), per_speed: self.per_speed.get(lane), limit: self.limit.get(lane) }
-    }
-}
-
-const TYRE_COLUMN: [usize; 6] = [23, 23, 26, 26, 29, 32];
-
-#[inline(always)]
-fn shape_lanes(block: &PlantBlock, slip: &mut Columns<6>) {
-    for axle in 4..6 {
-        for slip in &mut slip.0[axle] {
-            *slip = Polynomial::atan(*slip);
-        }
-    }
-    for (slip, column) in slip.0.iter_mut().zip(TYRE_COLUMN) {
-        for lane in 0..LANES {
-            let bt = block.cars[column][lane] * slip[lane];
-            slip[lane] = bt - block.cars[column + 2][lane] * (bt - Polynomial::atan(bt));
-        }
-    }
-    for (slip, column) in slip.0.iter_mut().zip(TYRE_COLUMN) {
-        for lane in 0..LANES {
-            slip[lane] = block.cars[column + 1][lane] * Polynomial::atan(slip[lane]);
-        }
-    }
-    for slip in &mut slip.0 {
-        for slip in slip {
-            *slip = Polynomial::sin(*slip);
-        }
-    }
-}
-
-#[inline(always)]
-fn advance_lanes(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    let mut angle = Columns::<5>::new();
-    let mut peak = Columns::<4>::new();
-    let mut slip = SlipColumns { slip: Columns::new(), per_speed: Columns::new(), limit: Columns::new() };
-    let (mut k, mut torque, mut free) = (Columns::<7>::new(), Columns::<4>::new(), Columns::<4>::new());
-    for lane in 0..LANES {
-        angle.put(lane, &angles::<Polynomial>(inputs.steer_rad[lane], inputs.grade_rad[lane], inputs.bank_rad[lane]));
-    }
-    for lane in 0..LANES {
-        let car = Car::pick(&block.cars, lane);
-        let drive = Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], &angle.get(lane));
-        let now = block.moment(lane);
-        peak.put(lane, &peaks(&car, &drive, now.acceleration));
-        slip.put(lane, &slips(&car, &drive, &now.x));
-    }
-    shape_lanes(block, &mut slip.slip);
-    for lane in 0..LANES {
-        let car = Car::pick(&block.cars, lane);
-        let drive = Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], &angle.get(lane));
-        let now = block.moment(lane);
-        let slips = slip.get(lane);
-        let half = first_stage(&car, &drive, &now.x, &peak.get(lane), &slips, &slips.slip, h);
-        k.put(lane, &half.k);
-        torque.put(lane, &half.torque);
-        free.put(lane, &half.free);
-        slip.put(lane, &slips_amid(&car, &drive, &now.x, &half, h));
-    }
-    shape_lanes(block, &mut slip.slip);
-    for lane in 0..LANES {
-        let car = Car::pick(&block.cars, lane);
-        let drive = Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], &angle.get(lane));
-        let now = block.moment(lane);
-        let slips = slip.get(lane);
-        let half = Half { k: k.get(lane), torque: torque.get(lane), free: free.get(lane) };
-        let next = second_stage(&car, &drive, &now, &peak.get(lane), &half, &slips, &slips.slip, h);
-        block.put(lane, &next, moving[lane]);
-    }
+    let angles = [inputs.steer_rad[lane], inputs.grade_rad[lane], inputs.bank_rad[lane]];
+    let angles = angles.map(sine_and_cosine::<Libm>);
+    (car, Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles))
 }
 
 fn advance_baseline(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {

@@ -126,6 +126,25 @@ impl Car {
         }
     }
 
+    /// The tyre of a wheel, or of an axle across, in the order of [`Slips`].
+    #[inline(always)]
+    pub fn tyre(&self, i: usize) -> &Tyre {
+        if i < 4 { &self.longitudinal[i / 2] } else { &self.lateral[i - 4] }
+    }
+
+    /// B, C and E of [`Car::tyre`] among the columns.
+    #[inline(always)]
+    pub fn tyre_columns(columns: &[Lanes; CAR_COLUMNS], i: usize) -> [&Lanes; 3] {
+        let first = 23 + 3 * if i < 4 { i / 2 } else { i - 2 };
+        [&columns[first], &columns[first + 1], &columns[first + 2]]
+    }
+
+    /// The column of [`Car::ellipse`].
+    #[inline(always)]
+    pub fn ellipse_column(columns: &[Lanes; CAR_COLUMNS]) -> &Lanes {
+        &columns[8]
+    }
+
     /// Reads a car back from its lane of the columns.
     #[inline(always)]
     pub fn pick(columns: &[Lanes; CAR_COLUMNS], lane: usize) -> Self {
@@ -156,19 +175,11 @@ impl Car {
     }
 }
 
-/// cos δ and sin δ, gravity along x and y [m/s²], and gravity's share across the road.
-pub type Angles = [f64; 5];
-
-/// What the steer angle and the angles of the road mean. Grade is positive uphill; bank is positive where the road rises
-/// to the left. All angles within ±π/2 \[rad\].
+/// Sine and cosine of an angle within ±π/2. By the square root, cos 0 is exactly 1.
 #[inline(always)]
-pub fn angles<T: Trig>(steer: f64, grade: f64, bank: f64) -> Angles {
-    let (sin_steer, sin_grade, sin_bank) = (T::sin(steer), T::sin(grade), T::sin(bank));
-    // By the square root, cos 0 is exactly 1.
-    let cosine = |sine: f64| (1.0 - sine * sine).sqrt();
-    let (level, upright) = (cosine(sin_grade), cosine(sin_bank));
-    let gravity = [-GRAVITY_MPS2 * sin_grade, -GRAVITY_MPS2 * sin_bank * level];
-    [cosine(sin_steer), sin_steer, gravity[0], gravity[1], level * upright]
+pub fn sine_and_cosine<T: Trig>(angle: f64) -> [f64; 2] {
+    let sine = T::sin(angle);
+    [sine, (1.0 - sine * sine).sqrt()]
 }
 
 /// What acts on one vehicle, constant over a control period.
@@ -189,17 +200,19 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Splits the torque C_T over the axles.
+    /// Splits the torque C_T over the axles and turns the angles of the road, given as sine and cosine, into forces.
+    ///
+    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2.
     #[inline(always)]
-    pub fn new(car: &Car, torque: f64, headwind: f64, angles: &Angles) -> Self {
+    pub fn new(car: &Car, torque: f64, headwind: f64, [steer, grade, bank]: [[f64; 2]; 3]) -> Self {
         let motor = larger(torque, 0.0);
         let brake = larger(-torque, 0.0);
         Self {
-            steer: [angles[0], angles[1]],
+            steer: [steer[1], steer[0]],
             motor: car.drive_share.map(|share| share * motor),
             brake: car.brake_share.map(|share| share * brake),
-            gravity: [angles[2], angles[3]],
-            load_scale: angles[4],
+            gravity: [-GRAVITY_MPS2 * grade[0], -GRAVITY_MPS2 * bank[0] * grade[1]],
+            load_scale: grade[1] * bank[1],
             headwind,
         }
     }
@@ -271,9 +284,8 @@ pub fn slips(car: &Car, drive: &Drive, x: &Vector) -> Slips {
     let ([rl, rr, r], back) = rear.speeds(v);
     let hub = [fl, fr, rl, rr, ahead, back];
     let rim = [car.radius * x[3], car.radius * x[4], car.radius * x[5], car.radius * x[6], 0.0, 0.0];
-    let speed = [rim[0] - hub[0], rim[1] - hub[1], rim[2] - hub[2], rim[3] - hub[3], -f, -r];
+    let speed = [rim[0] - hub[0], rim[1] - hub[1], rim[2] - hub[2], rim[3] - hub[3], 0.0 - f, 0.0 - r];
     for i in 0..6 {
-        let tyre = if i < 4 { &car.longitudinal[i / 2] } else { &car.lateral[i - 4] };
         let scale = larger(larger(rim[i].abs(), hub[i].abs()), FLOOR_MPS);
         let slides = speed[i].abs() > 1e-7;
         // One division for both reciprocals.
@@ -283,22 +295,48 @@ pub fn slips(car: &Car, drive: &Drive, x: &Vector) -> Slips {
         let slip = speed[i] * per_scale;
         slips.slip[i] = if i < 4 { within_one(slip) } else { slip };
         slips.per_speed[i] = choose(slides, both * scale, 0.0);
-        slips.limit[i] = choose(slides, 0.0, tyre.slope_per_peak() * per_scale);
+        slips.limit[i] = choose(slides, 0.0, car.tyre(i).slope_per_peak() * per_scale);
     }
     slips
 }
 
-/// Forces of tyres whose slip has this shape: force over peak. With the friction ellipse, what a wheel spends along it
-/// lacks across.
+/// What slip makes of the tyres.
+#[derive(Debug, Clone, Copy)]
+pub struct Grip {
+    /// Force over peak.
+    pub shape: [f64; 6],
+    /// Share of its peak that a wheel has left across: with the friction ellipse, it lacks what is spent along.
+    pub left: [f64; 4],
+}
+
+impl Grip {
+    /// Of the tyres with these slips.
+    #[inline(always)]
+    pub fn new<T: Trig>(car: &Car, slip: &[f64; 6]) -> Self {
+        let shape: [f64; 6] = std::array::from_fn(|i| {
+            let slip = if i < 4 { slip[i] } else { T::atan(slip[i]) };
+            car.tyre(i).shape::<T>(slip)
+        });
+        Self { shape, left: std::array::from_fn(|wheel| left_across(car.ellipse, shape[wheel])) }
+    }
+}
+
+/// [`Grip::left`] of a wheel.
 #[inline(always)]
-pub fn forces(car: &Car, peak: &[f64; 4], slips: &Slips, shape: &[f64; 6]) -> Forces {
-    let left_over = |wheel: usize| peak[wheel] * (1.0 - car.ellipse * shape[wheel] * shape[wheel]).sqrt();
-    let across = |axle: usize| car.lateral_grip * (left_over(2 * axle) + left_over(2 * axle + 1));
-    let peak = [peak[0], peak[1], peak[2], peak[3], across(0), across(1)];
+pub fn left_across(ellipse: f64, shape: f64) -> f64 {
+    (1.0 - ellipse * shape * shape).sqrt()
+}
+
+/// Forces of tyres with these slips.
+#[inline(always)]
+pub fn forces(car: &Car, peak: &[f64; 4], slips: &Slips, grip: &Grip) -> Forces {
+    let [fl, fr, rl, rr] = [0, 1, 2, 3].map(|wheel| peak[wheel] * grip.left[wheel]);
+    let peak =
+        [peak[0], peak[1], peak[2], peak[3], car.lateral_grip * (fl + fr), car.lateral_grip * (rl + rr)];
     let mut forces = Forces { force: [0.0; 6], slope: [0.0; 6] };
     for i in 0..6 {
-        forces.force[i] = peak[i] * shape[i];
-        forces.slope[i] = peak[i] * larger(shape[i] * slips.per_speed[i] + slips.limit[i], 0.0);
+        forces.force[i] = peak[i] * grip.shape[i];
+        forces.slope[i] = peak[i] * larger(grip.shape[i] * slips.per_speed[i] + slips.limit[i], 0.0);
     }
     forces
 }
@@ -307,15 +345,7 @@ pub fn forces(car: &Car, peak: &[f64; 4], slips: &Slips, shape: &[f64; 6]) -> Fo
 #[inline(always)]
 pub fn tyre_forces<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector) -> Forces {
     let slips = slips(car, drive, x);
-    forces(car, peak, &slips, &shapes::<T>(car, &slips.slip))
-}
-
-/// Shape of the tyres' forces.
-#[inline(always)]
-pub fn shapes<T: Trig>(car: &Car, slip: &[f64; 6]) -> [f64; 6] {
-    let [front, rear] = &car.longitudinal;
-    let tyre = [front, front, rear, rear, &car.lateral[0], &car.lateral[1]];
-    std::array::from_fn(|i| tyre[i].shape::<T>(if i < 4 { slip[i] } else { T::atan(slip[i]) }))
+    forces(car, peak, &slips, &Grip::new::<T>(car, &slips.slip))
 }
 
 /// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y \[N\].
@@ -376,7 +406,7 @@ mod tests {
     #[test]
     fn law_slip_is_the_papers_two_formulas() {
         let car = Car::new(&(BODIES[0].build)());
-        let drive = Drive::new(&car, 0.0, 0.0, &angles::<Libm>(0.0, 0.0, 0.0));
+        let drive = Drive::new(&car, 0.0, 0.0, [[0.0, 1.0]; 3]);
         for (v, rim) in [(10.0, 11.0), (10.0, 9.0), (10.0, 0.0), (0.5, 30.0), (10.0, -1.0), (-5.0, 4.0), (-5.0, -6.0)] {
             let w = rim / car.radius;
             let x = [v, 0.0, 0.0, w, w, w, w];
@@ -391,7 +421,7 @@ mod tests {
     fn law_slip_angles_are_those_of_the_velocity_triangle() {
         let car = Car::new(&(BODIES[0].build)());
         for (vx, vy, yaw, steer) in [(10.0, 0.3, 0.2, 0.05), (25.0, -1.0, 0.4, -0.1), (3.0, 0.5, 0.5, 0.3)] {
-            let drive = Drive::new(&car, 0.0, 0.0, &angles::<Libm>(steer, 0.0, 0.0));
+            let drive = Drive::new(&car, 0.0, 0.0, [steer, 0.0, 0.0].map(sine_and_cosine::<Libm>));
             let [.., f, r] = slips(&car, &drive, &[vx, vy, yaw, 0.0, 0.0, 0.0, 0.0]).slip;
             let front = steer - libm::atan2(vy + car.axle_x[0] * yaw, vx);
             let rear = -libm::atan2(vy + car.axle_x[1] * yaw, vx);
@@ -404,7 +434,7 @@ mod tests {
         for car in every_car() {
             let mut even = car;
             even.friction = [1.0; 4];
-            let drive = Drive::new(&even, 0.0, 0.0, &angles::<Libm>(0.0, 0.0, 0.0));
+            let drive = Drive::new(&even, 0.0, 0.0, [[0.0, 1.0]; 3]);
             let [fl, fr, rl, rr] = peaks(&even, &drive, [2.0, 1.0]);
             assert!(((fl + fr + rl + rr) / (even.mass * GRAVITY_MPS2) - 1.0).abs() < 1e-12);
             // Speeding up and turning left loads the rear and the right.
