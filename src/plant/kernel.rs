@@ -4,8 +4,10 @@
 //! that is not inlined: the compiler makes vector code of it. It is compiled three times and chosen at run time; without
 //! fused products and with polynomials in place of the platform's trigonometry all three give the same bits.
 
+use std::cell::RefCell;
+
 use super::integrator::substep;
-use super::loops::advance_lanes;
+use super::loops::{Workspace, advance_lanes};
 use super::seven_dof::{Car, Drive, sine_and_cosine};
 use super::trig::Libm;
 use super::{Inputs, Plant, PlantBlock};
@@ -85,16 +87,24 @@ impl SevenDof {
     }
 }
 
+thread_local! {
+    /// One for all blocks that a thread advances: it stays in the nearest cache, and nobody has to fill it with zeros.
+    static WORKSPACE: RefCell<Workspace> = const { RefCell::new(Workspace::NEW) };
+}
+
 impl Plant for SevenDof {
     fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
         let (count, h) = self.substeps(period_s);
-        for _ in 0..count {
-            match self.set {
-                InstructionSet::Baseline => advance_baseline(block, inputs, moving, h),
-                InstructionSet::Avx2 => advance_avx2(block, inputs, moving, h),
-                InstructionSet::Avx512 => advance_avx512(block, inputs, moving, h),
+        let advance = match self.set {
+            InstructionSet::Baseline => advance_baseline,
+            InstructionSet::Avx2 => advance_avx2,
+            InstructionSet::Avx512 => advance_avx512,
+        };
+        WORKSPACE.with_borrow_mut(|work| {
+            for _ in 0..count {
+                advance(work, block, inputs, moving, h);
             }
-        }
+        });
     }
 }
 
@@ -106,16 +116,16 @@ pub fn acting(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) 
     (car, Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles))
 }
 
-fn advance_baseline(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
+fn advance_baseline(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    advance_lanes(work, block, inputs, moving, h);
 }
 
 #[multiversion::multiversion(targets("x86_64+avx2+fma"))]
-fn advance_avx2(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
+fn advance_avx2(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    advance_lanes(work, block, inputs, moving, h);
 }
 
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
-fn advance_avx512(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
+fn advance_avx512(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    advance_lanes(work, block, inputs, moving, h);
 }

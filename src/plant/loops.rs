@@ -19,10 +19,7 @@ use crate::lanes::{Flags, LANES, Lanes};
 struct Columns<const K: usize>([Lanes; K]);
 
 impl<const K: usize> Columns<K> {
-    #[inline(always)]
-    fn new() -> Self {
-        Self([[0.0; LANES]; K])
-    }
+    const NEW: Self = Self([[0.0; LANES]; K]);
 
     #[inline(always)]
     fn put(&mut self, lane: usize, values: &[f64; K]) {
@@ -53,16 +50,16 @@ fn is_same(a: &Lanes, b: &Lanes) -> bool {
     a.iter().zip(b).fold(0, |bits, (a, b)| bits | (a.to_bits() ^ b.to_bits())) == 0
 }
 
-/// Sines and cosines of the angles in a column; straight and level roads cost nothing.
+/// Sines and cosines of the angles in a column; straight and level roads cost next to nothing.
 #[inline(always)]
-fn sines_and_cosines(angle: &Lanes) -> Columns<2> {
-    let mut out = Columns([[0.0; LANES], [1.0; LANES]]);
-    if !is_zero(angle) {
-        for lane in 0..LANES {
-            out.put(lane, &sine_and_cosine::<Polynomial>(angle[lane]));
-        }
+fn sines_and_cosines(angle: &Lanes, out: &mut Columns<2>) {
+    if is_zero(angle) {
+        *out = Columns([[0.0; LANES], [1.0; LANES]]);
+        return;
     }
-    out
+    for lane in 0..LANES {
+        out.put(lane, &sine_and_cosine::<Polynomial>(angle[lane]));
+    }
 }
 
 /// The tyres of a block in one state: slips, and what they make of the tyres.
@@ -76,18 +73,6 @@ struct Tyres {
 }
 
 impl Tyres {
-    #[inline(always)]
-    fn new() -> Self {
-        Self {
-            peak: Columns::new(),
-            slip: Columns::new(),
-            per_speed: Columns::new(),
-            limit: Columns::new(),
-            shape: Columns::new(),
-            left: Columns([[1.0; LANES]; 4]),
-        }
-    }
-
     #[inline(always)]
     fn put(&mut self, lane: usize, slips: &Slips) {
         self.slip.put(lane, &slips.slip);
@@ -140,7 +125,9 @@ impl Tyres {
             }
         }
         let ellipse = Car::ellipse_column(&block.cars);
-        if !is_zero(ellipse) {
+        if is_zero(ellipse) {
+            self.left.0 = [[1.0; LANES]; 4];
+        } else {
             for wheel in 0..4 {
                 for lane in 0..LANES {
                     self.left.0[wheel][lane] = left_across(ellipse[lane], self.shape.0[wheel][lane]);
@@ -158,18 +145,46 @@ impl Tyres {
     }
 }
 
+/// All columns of a substep. What they hold before does not matter.
+pub struct Workspace {
+    angles: [Columns<2>; 3],
+    tyres: Tyres,
+    k: Columns<7>,
+    torque: Columns<4>,
+    free: Columns<4>,
+}
+
+impl Workspace {
+    /// Columns of zeros.
+    pub const NEW: Self = Self {
+        angles: [Columns::NEW; 3],
+        tyres: Tyres {
+            peak: Columns::NEW,
+            slip: Columns::NEW,
+            per_speed: Columns::NEW,
+            limit: Columns::NEW,
+            shape: Columns::NEW,
+            left: Columns::NEW,
+        },
+        k: Columns::NEW,
+        torque: Columns::NEW,
+        free: Columns::NEW,
+    };
+}
+
 /// Advances the lanes with `moving` = 1 by one substep of `h` seconds.
 #[inline(always)]
-pub fn advance_lanes(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    let angles = [&inputs.steer_rad, &inputs.grade_rad, &inputs.bank_rad].map(sines_and_cosines);
+pub fn advance_lanes(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    let Workspace { angles, tyres, k, torque, free } = work;
+    sines_and_cosines(&inputs.steer_rad, &mut angles[0]);
+    sines_and_cosines(&inputs.grade_rad, &mut angles[1]);
+    sines_and_cosines(&inputs.bank_rad, &mut angles[2]);
     let pick = |block: &PlantBlock, lane: usize| -> (Car, Drive, Moment) {
         let car = Car::pick(&block.cars, lane);
         let angles = [angles[0].get(lane), angles[1].get(lane), angles[2].get(lane)];
         let drive = Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles);
         (car, drive, block.moment(lane))
     };
-    let mut tyres = Tyres::new();
-    let (mut k, mut torque, mut free) = (Columns::<7>::new(), Columns::<4>::new(), Columns::<4>::new());
     for lane in 0..LANES {
         let (car, drive, now) = pick(block, lane);
         tyres.peak.put(lane, &peaks(&car, &drive, now.acceleration));
