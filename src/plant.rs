@@ -48,6 +48,7 @@ impl State {
 
 /// What acts on the vehicles of a block during one control period.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
 pub struct Inputs {
     /// Torque C_T on the wheels, sum over the wheels: positive drives, negative brakes [N·m].
     pub torque_nm: Lanes,
@@ -63,8 +64,8 @@ pub struct Inputs {
 
 /// Constants and states of [`LANES`] vehicles.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub struct PlantBlock {
-    bodies: [Body; LANES],
     cars: [Lanes; CAR_COLUMNS],
     /// Longitudinal speed V_x [m/s].
     pub vx_mps: Lanes,
@@ -78,6 +79,7 @@ pub struct PlantBlock {
     pub distance_m: Lanes,
     /// Mean accelerations a_x, a_y of the body over the last substep, which shift the wheel loads [m/s²].
     pub acceleration_mps2: [Lanes; 2],
+    bodies: [Body; LANES],
 }
 
 impl Default for PlantBlock {
