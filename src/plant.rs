@@ -62,7 +62,7 @@ pub struct Inputs {
     pub headwind_mps: Lanes,
 }
 
-/// Constants and states of [`LANES`] vehicles.
+/// Constants and states of [`LANES`] vehicles; the columns come first and begin where vectors do.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub struct PlantBlock {

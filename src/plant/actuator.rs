@@ -87,7 +87,7 @@ impl Actuators {
     /// by a later gain.
     pub fn step(&mut self, torque_nm: &Lanes, gain: &Lanes) -> Actuated {
         let rows = self.torque_ring.len();
-        self.head = (self.head + 1) % rows;
+        self.head = if self.head + 1 < rows { self.head + 1 } else { 0 };
         let mut out = Actuated::default();
         for lane in 0..LANES {
             let limited = torque_nm[lane].min(self.drive_max_nm[lane]).max(-self.brake_max_nm[lane]);
@@ -96,17 +96,25 @@ impl Actuators {
             self.torque_ring[self.head][lane] = limited;
         }
         self.product_ring[self.head] = out.saturated;
+        // Only the look into the ring has to go lane by lane.
+        let (mut torque, mut product) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
         for lane in 0..LANES {
-            let newer = (self.head + rows - self.whole[lane]) % rows;
-            let older = (newer + rows - 1) % rows;
-            let delayed = |ring: &[Lanes]| {
-                let (a, b) = (ring[newer][lane], ring[older][lane]);
-                if self.older[lane] > 0.0 { a + self.older[lane] * (b - a) } else { a }
-            };
-            let (torque, product) = (delayed(&self.torque_ring), delayed(&self.product_ring));
-            let decay = self.decay[lane];
-            self.torque[lane] = if decay > 0.0 { torque + decay * (self.torque[lane] - torque) } else { torque };
-            self.product[lane] = if decay > 0.0 { product + decay * (self.product[lane] - product) } else { product };
+            let back = self.whole[lane];
+            let newer = if self.head >= back { self.head - back } else { self.head + rows - back };
+            let older = if newer > 0 { newer - 1 } else { rows - 1 };
+            for (age, row) in [newer, older].into_iter().enumerate() {
+                torque[age][lane] = self.torque_ring[row][lane];
+                product[age][lane] = self.product_ring[row][lane];
+            }
+        }
+        for (state, [newer, older]) in [(&mut self.torque, torque), (&mut self.product, product)] {
+            for lane in 0..LANES {
+                let (share, decay) = (self.older[lane], self.decay[lane]);
+                let between = newer[lane] + share * (older[lane] - newer[lane]);
+                let delayed = if share > 0.0 { between } else { newer[lane] };
+                let lagged = delayed + decay * (state[lane] - delayed);
+                state[lane] = if decay > 0.0 { lagged } else { delayed };
+            }
         }
         out.torque_nm = self.torque;
         out.applied = self.product;

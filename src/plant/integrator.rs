@@ -109,10 +109,7 @@ pub fn finish(car: &Car, drive: &Drive, now: &Moment, mut next: Vector, h: f64) 
     let per_h = 1.0 / h;
     Moment {
         x: next,
-        acceleration: [
-            (next[0] - x[0]) * per_h - next[2] * next[1],
-            (next[1] - x[1]) * per_h + next[2] * next[0],
-        ],
+        acceleration: [(next[0] - x[0]) * per_h - next[2] * next[1], (next[1] - x[1]) * per_h + next[2] * next[0]],
         distance: now.distance + 0.5 * h * (x[0] + next[0]),
     }
 }

@@ -18,10 +18,13 @@
 //! with it no tyre can feed energy into the body. The one formula for τ equals the paper's two: the larger of |rω| and
 //! |V| is the denominator of each. Both denominators have the floor [`FLOOR_MPS`], below which a tyre acts like a
 //! damper: standstill is an equilibrium, at any steer angle.
+//!
+//! Everything here is about one vehicle, in pieces between which [`super::loops`] can stop: slips, what they make of the
+//! tyres ([`Grip`]), forces, rates.
 
+use super::axle::Axle;
 use super::body::{AIR_DENSITY_KGPM3, Body, GRAVITY_MPS2};
 use super::trig::{Trig, choose};
-use super::axle::Axle;
 use super::tyre::Tyre;
 use crate::lanes::Lanes;
 
@@ -38,9 +41,11 @@ pub struct Car {
     pub mass: f64,
     /// I_z [kg·m²].
     pub yaw_inertia: f64,
-    /// 1/M, 1/I_z, 1/I_r.
+    /// 1/M.
     pub per_mass: f64,
+    /// 1/I_z.
     pub per_yaw_inertia: f64,
+    /// 1/I_r.
     pub per_wheel_inertia: f64,
     /// l_f, −l_r: x of the axles \[m\].
     pub axle_x: [f64; 2],
@@ -76,6 +81,10 @@ pub struct Car {
 
 /// Number of columns that hold a [`Car`].
 pub const CAR_COLUMNS: usize = 38;
+
+/// Where among them the tyres begin, and where the friction ellipse is.
+const TYRES: usize = 23;
+const ELLIPSE: usize = 8;
 
 impl Car {
     /// What the equations need of a body.
@@ -135,14 +144,14 @@ impl Car {
     /// B, C and E of [`Car::tyre`] among the columns.
     #[inline(always)]
     pub fn tyre_columns(columns: &[Lanes; CAR_COLUMNS], i: usize) -> [&Lanes; 3] {
-        let first = 23 + 3 * if i < 4 { i / 2 } else { i - 2 };
+        let first = TYRES + 3 * if i < 4 { i / 2 } else { i - 2 };
         [&columns[first], &columns[first + 1], &columns[first + 2]]
     }
 
     /// The column of [`Car::ellipse`].
     #[inline(always)]
     pub fn ellipse_column(columns: &[Lanes; CAR_COLUMNS]) -> &Lanes {
-        &columns[8]
+        &columns[ELLIPSE]
     }
 
     /// Reads a car back from its lane of the columns.
@@ -159,15 +168,15 @@ impl Car {
             pitch_transfer: columns[5][lane],
             drag: columns[6][lane],
             rolling: columns[7][lane],
-            ellipse: columns[8][lane],
+            ellipse: columns[ELLIPSE][lane],
             axle_x: pair(9),
             load: pair(11),
             roll_transfer: pair(13),
             drive_share: pair(15),
             brake_share: pair(17),
             friction: [columns[19][lane], columns[20][lane], columns[21][lane], columns[22][lane]],
-            longitudinal: [tyre(23), tyre(26)],
-            lateral: [tyre(29), tyre(32)],
+            longitudinal: [tyre(TYRES), tyre(TYRES + 3)],
+            lateral: [tyre(TYRES + 6), tyre(TYRES + 9)],
             lateral_grip: columns[35][lane],
             per_mass: columns[36][lane],
             per_yaw_inertia: columns[37][lane],
@@ -220,10 +229,7 @@ impl Drive {
     /// The axles of a car that steers so.
     #[inline(always)]
     pub fn axles(&self, car: &Car) -> [Axle; 2] {
-        [
-            Axle::new(car.axle_x[0], car.half_track, Some(self.steer)),
-            Axle::new(car.axle_x[1], car.half_track, None),
-        ]
+        [Axle::new(car.axle_x[0], car.half_track, Some(self.steer)), Axle::new(car.axle_x[1], car.half_track, None)]
     }
 }
 
@@ -264,6 +270,7 @@ pub struct Forces {
     pub slope: [f64; 6],
 }
 
+/// The larger of two numbers, in one instruction.
 #[inline(always)]
 pub fn larger(a: f64, b: f64) -> f64 {
     choose(a > b, a, b)
@@ -274,7 +281,7 @@ fn within_one(a: f64) -> f64 {
     choose(a.abs() > 1.0, 1.0_f64.copysign(a), a)
 }
 
-/// Slip in state `x`.
+/// Slip in state `x`. A tyre that does not slip at all has +0.
 #[inline(always)]
 pub fn slips(car: &Car, drive: &Drive, x: &Vector) -> Slips {
     let mut slips = Slips { slip: [0.0; 6], per_speed: [0.0; 6], limit: [0.0; 6] };
@@ -331,8 +338,7 @@ pub fn left_across(ellipse: f64, shape: f64) -> f64 {
 #[inline(always)]
 pub fn forces(car: &Car, peak: &[f64; 4], slips: &Slips, grip: &Grip) -> Forces {
     let [fl, fr, rl, rr] = [0, 1, 2, 3].map(|wheel| peak[wheel] * grip.left[wheel]);
-    let peak =
-        [peak[0], peak[1], peak[2], peak[3], car.lateral_grip * (fl + fr), car.lateral_grip * (rl + rr)];
+    let peak = [peak[0], peak[1], peak[2], peak[3], car.lateral_grip * (fl + fr), car.lateral_grip * (rl + rr)];
     let mut forces = Forces { force: [0.0; 6], slope: [0.0; 6] };
     for i in 0..6 {
         forces.force[i] = peak[i] * grip.shape[i];
