@@ -4,6 +4,8 @@
 //! them into vector code for whatever instruction set the machine has. Nothing in such a loop may call the platform's
 //! maths library or fuse multiply-adds: both give other bits on other machines.
 
+use std::cell::Cell;
+
 /// Slots of one block. A multiple of the widest vector (8 doubles).
 pub const LANES: usize = 16;
 
@@ -12,3 +14,84 @@ pub type Lanes = [f64; LANES];
 
 /// A flag per slot, 0.0 or 1.0, so that selecting by it stays in vector registers.
 pub type Flags = [f64; LANES];
+
+/// Vector instructions that the loops over lanes are compiled for. All give the same bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InstructionSet {
+    /// What every processor of the architecture has.
+    Baseline,
+    /// AVX2.
+    Avx2,
+    /// AVX-512.
+    Avx512,
+}
+
+thread_local! {
+    static IN_USE: Cell<InstructionSet> = Cell::new(InstructionSet::available()[0]);
+}
+
+impl InstructionSet {
+    /// The sets that this machine has, best first.
+    pub fn available() -> Vec<Self> {
+        let mut sets = vec![Self::Baseline];
+        #[cfg(target_arch = "x86_64")]
+        {
+            if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
+                sets.push(Self::Avx2);
+            }
+            let wide = std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl");
+            if wide && std::is_x86_feature_detected!("avx512dq") && std::is_x86_feature_detected!("avx512bw") {
+                sets.push(Self::Avx512);
+            }
+        }
+        sets.reverse();
+        sets
+    }
+
+    /// What this thread computes with: the best that there is, unless [`InstructionSet::during`] says otherwise.
+    pub fn in_use() -> Self {
+        IN_USE.get()
+    }
+
+    /// Does some work of this thread with this set, to measure or to compare; where the machine lacks it, with the
+    /// baseline.
+    pub fn during<R>(self, work: impl FnOnce() -> R) -> R {
+        let before = IN_USE.replace(self);
+        let result = work();
+        IN_USE.set(before);
+        result
+    }
+}
+
+/// Compiles a function of loops over lanes once for each [`InstructionSet`], all from the same source, and calls the one
+/// [in use](InstructionSet::in_use).
+macro_rules! vectorised {
+    ($(#[$doc:meta])* $visibility:vis fn $name:ident($($argument:ident: $type:ty),* $(,)?) $body:block) => {
+        $(#[$doc])*
+        $visibility fn $name($($argument: $type),*) {
+            #[inline(always)]
+            fn lanes($($argument: $type),*) $body
+
+            fn baseline($($argument: $type),*) {
+                lanes($($argument),*);
+            }
+
+            #[multiversion::multiversion(targets("x86_64+avx2+fma"))]
+            fn avx2($($argument: $type),*) {
+                lanes($($argument),*);
+            }
+
+            #[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
+            fn avx512($($argument: $type),*) {
+                lanes($($argument),*);
+            }
+
+            match $crate::lanes::InstructionSet::in_use() {
+                $crate::lanes::InstructionSet::Baseline => baseline($($argument),*),
+                $crate::lanes::InstructionSet::Avx2 => avx2($($argument),*),
+                $crate::lanes::InstructionSet::Avx512 => avx512($($argument),*),
+            }
+        }
+    };
+}
+pub(crate) use vectorised;

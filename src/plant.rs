@@ -17,12 +17,13 @@ pub mod trig;
 pub mod tyre;
 
 use crate::keys::{Key, Kind, Values};
+pub use crate::lanes::InstructionSet;
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::registry::Entry;
 pub use actuator::{Actuated, Actuators};
 pub use body::{BODIES, BODY_KEYS, Body};
 use integrator::Moment;
-pub use kernel::{InstructionSet, SevenDof};
+pub use kernel::SevenDof;
 use seven_dof::{CAR_COLUMNS, Car, Drive, sine_and_cosine, slips};
 use trig::Libm;
 

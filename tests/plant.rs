@@ -414,10 +414,10 @@ fn law_instruction_sets_give_the_same_bits() {
     let results: Vec<_> = InstructionSet::available()
         .into_iter()
         .map(|set| {
-            let plant = SevenDof::with_instruction_set(0.005, set);
+            let plant = SevenDof::new(0.005);
             let mut block = start.clone();
             for inputs in &drive {
-                plant.advance(&mut block, inputs, &ALL, PERIOD_S);
+                set.during(|| plant.advance(&mut block, inputs, &ALL, PERIOD_S));
             }
             (0..LANES).map(|slot| bits(&block, slot)).collect::<Vec<_>>()
         })

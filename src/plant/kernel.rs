@@ -11,37 +11,7 @@ use super::loops::{Workspace, advance_lanes};
 use super::seven_dof::{Car, Drive, sine_and_cosine};
 use super::trig::Libm;
 use super::{Inputs, Plant, PlantBlock};
-use crate::lanes::{Flags, LANES};
-
-/// Vector instructions that a block can be advanced with. All give the same bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InstructionSet {
-    /// What every processor of the architecture has.
-    Baseline,
-    /// AVX2.
-    Avx2,
-    /// AVX-512.
-    Avx512,
-}
-
-impl InstructionSet {
-    /// The sets that this machine has, best first.
-    pub fn available() -> Vec<Self> {
-        let mut sets = vec![Self::Baseline];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-                sets.push(Self::Avx2);
-            }
-            let wide = std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl");
-            if wide && std::is_x86_feature_detected!("avx512dq") && std::is_x86_feature_detected!("avx512bw") {
-                sets.push(Self::Avx512);
-            }
-        }
-        sets.reverse();
-        sets
-    }
-}
+use crate::lanes::{Flags, InstructionSet, LANES, vectorised};
 
 /// The 7-DoF model of [`super::seven_dof`], integrated by [`super::integrator`].
 ///
@@ -53,18 +23,18 @@ impl InstructionSet {
 #[derive(Debug, Clone, Copy)]
 pub struct SevenDof {
     substep_s: f64,
-    set: InstructionSet,
+    set: Option<InstructionSet>,
 }
 
 impl SevenDof {
-    /// With substeps of at most `substep_s` and the best instruction set of this machine.
+    /// With substeps of at most `substep_s`.
     pub fn new(substep_s: f64) -> Self {
-        Self { substep_s, set: InstructionSet::available()[0] }
+        Self { substep_s, set: None }
     }
 
-    /// With a chosen instruction set; one that the machine lacks falls back to the baseline.
+    /// With this instruction set whatever is in use.
     pub fn with_instruction_set(substep_s: f64, set: InstructionSet) -> Self {
-        Self { substep_s, set }
+        Self { substep_s, set: Some(set) }
     }
 
     /// The same by the `libm` crate, one slot at a time: the oracle of the vector code.
@@ -95,16 +65,15 @@ thread_local! {
 impl Plant for SevenDof {
     fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
         let (count, h) = self.substeps(period_s);
-        let advance = match self.set {
-            InstructionSet::Baseline => advance_baseline,
-            InstructionSet::Avx2 => advance_avx2,
-            InstructionSet::Avx512 => advance_avx512,
-        };
-        WORKSPACE.with_borrow_mut(|work| {
+        if moving.iter().all(|moving| *moving == 0.0) {
+            return;
+        }
+        let work = |work: &mut Workspace| {
             for _ in 0..count {
                 advance(work, block, inputs, moving, h);
             }
-        });
+        };
+        self.set.unwrap_or_else(InstructionSet::in_use).during(|| WORKSPACE.with_borrow_mut(work));
     }
 }
 
@@ -116,16 +85,8 @@ pub fn acting(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) 
     (car, Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles))
 }
 
-fn advance_baseline(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(work, block, inputs, moving, h);
-}
-
-#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
-fn advance_avx2(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(work, block, inputs, moving, h);
-}
-
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
-fn advance_avx512(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(work, block, inputs, moving, h);
+vectorised! {
+    fn advance(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+        advance_lanes(work, block, inputs, moving, h);
+    }
 }

@@ -86,9 +86,9 @@ fn statistics(bencher: Bencher) {
 }
 
 /// A fleet whose vehicles go back and forth between two speeds, and its next step.
-fn fleet(name: &'static str, set: InstructionSet, vehicles: usize) -> impl FnMut() {
+fn fleet(name: &'static str, vehicles: usize) -> impl FnMut() {
     let group = GroupSetup { controller: Box::new(move || law(name)), dead_time_max_s: 0.0 };
-    let plant = Box::new(SevenDof::with_instruction_set(0.01, set));
+    let plant = Box::new(SevenDof::new(0.01));
     let mut fleet = Fleet::new(Clockwork { plant, period_s: 0.01, lead_mps: 1.0 }, vec![group]);
     let body = (BODIES[0].build)();
     let slots: Vec<Slot> = (0..vehicles)
@@ -115,8 +115,8 @@ fn fleet(name: &'static str, set: InstructionSet, vehicles: usize) -> impl FnMut
 }
 
 fn closed_loop(bencher: Bencher, name: &'static str, set: InstructionSet, vehicles: usize) {
-    let step = fleet(name, set, vehicles);
-    bencher.counter(ItemsCount::new(vehicles * PERIODS as usize)).bench_local(step);
+    let step = fleet(name, vehicles);
+    set.during(|| bencher.counter(ItemsCount::new(vehicles * PERIODS as usize)).bench_local(step));
 }
 
 /// A SUMO step of 0.1 s of one block: ten control periods with measurement, law, actuators, steering, body, statistics.
@@ -126,7 +126,7 @@ fn step(bencher: Bencher, name: &str) {
     closed_loop(bencher, name, InstructionSet::available()[0], LANES);
 }
 
-/// The same without AVX-512 in the body.
+/// The same without AVX-512.
 #[divan::bench]
 fn step_adaptive_avx2(bencher: Bencher) {
     closed_loop(bencher, "adaptive", InstructionSet::Avx2, LANES);
