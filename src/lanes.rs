@@ -27,36 +27,43 @@ pub enum InstructionSet {
 }
 
 thread_local! {
-    static IN_USE: Cell<InstructionSet> = Cell::new(InstructionSet::available()[0]);
+    static IN_USE: Cell<Option<InstructionSet>> = const { Cell::new(None) };
 }
 
 impl InstructionSet {
+    /// All sets, best first.
+    const ALL: [Self; 3] = [Self::Avx512, Self::Avx2, Self::Baseline];
+
     /// The sets that this machine has, best first.
     pub fn available() -> Vec<Self> {
-        let mut sets = vec![Self::Baseline];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-                sets.push(Self::Avx2);
-            }
-            let wide = std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl");
-            if wide && std::is_x86_feature_detected!("avx512dq") && std::is_x86_feature_detected!("avx512bw") {
-                sets.push(Self::Avx512);
-            }
+        Self::ALL.into_iter().filter(|set| set.is_available()).collect()
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn is_available(self) -> bool {
+        use std::is_x86_feature_detected as has;
+        match self {
+            Self::Baseline => true,
+            Self::Avx2 => has!("avx2") && has!("fma"),
+            Self::Avx512 => has!("avx512f") && has!("avx512vl") && has!("avx512dq") && has!("avx512bw"),
         }
-        sets.reverse();
-        sets
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn is_available(self) -> bool {
+        self == Self::Baseline
     }
 
     /// What this thread computes with: the best that there is, unless [`InstructionSet::during`] says otherwise.
     pub fn in_use() -> Self {
-        IN_USE.get()
+        let best = || Self::ALL.into_iter().find(|set| set.is_available()).unwrap_or(Self::Baseline);
+        IN_USE.get().unwrap_or_else(best)
     }
 
     /// Does some work of this thread with this set, to measure or to compare; where the machine lacks it, with the
     /// baseline.
     pub fn during<R>(self, work: impl FnOnce() -> R) -> R {
-        let before = IN_USE.replace(self);
+        let before = IN_USE.replace(Some(self));
         let result = work();
         IN_USE.set(before);
         result

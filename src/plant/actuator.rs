@@ -96,18 +96,8 @@ impl Actuators {
             self.torque_ring[self.head][lane] = limited;
         }
         self.product_ring[self.head] = out.saturated;
-        // Only the look into the ring has to go lane by lane.
-        let (mut torque, mut product) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
-        for lane in 0..LANES {
-            let back = self.whole[lane];
-            let newer = if self.head >= back { self.head - back } else { self.head + rows - back };
-            let older = if newer > 0 { newer - 1 } else { rows - 1 };
-            for (age, row) in [newer, older].into_iter().enumerate() {
-                torque[age][lane] = self.torque_ring[row][lane];
-                product[age][lane] = self.product_ring[row][lane];
-            }
-        }
-        for (state, [newer, older]) in [(&mut self.torque, torque), (&mut self.product, product)] {
+        for (state, ring) in [(&mut self.torque, &self.torque_ring), (&mut self.product, &self.product_ring)] {
+            let [newer, older] = look_back(ring, self.head, &self.whole);
             for lane in 0..LANES {
                 let (share, decay) = (self.older[lane], self.decay[lane]);
                 let between = newer[lane] + share * (older[lane] - newer[lane]);
@@ -120,6 +110,20 @@ impl Actuators {
         out.applied = self.product;
         out
     }
+}
+
+/// What lies in a ring `whole` periods before the newest row, and one period before that.
+fn look_back(ring: &[Lanes], head: usize, whole: &[usize; LANES]) -> [Lanes; 2] {
+    let row = |back: usize| if head >= back { head - back } else { head + ring.len() - back };
+    if whole.iter().all(|back| *back == whole[0]) {
+        return [ring[row(whole[0])], ring[row(whole[0] + 1)]];
+    }
+    let mut found = [[0.0; LANES]; 2];
+    for lane in 0..LANES {
+        found[0][lane] = ring[row(whole[lane])][lane];
+        found[1][lane] = ring[row(whole[lane] + 1)][lane];
+    }
+    found
 }
 
 #[cfg(test)]

@@ -59,11 +59,23 @@ impl Window {
         self.start_mps[slot] = speed_mps;
     }
 
+    /// Counts a control period; where a window ends with it, closes it. That is seldom: once in [`WINDOW_S`].
     #[inline(always)]
     fn sample(&mut self, speed_mps: &Lanes, active: &Lanes) {
+        let mut closes = [false; LANES];
         for i in 0..LANES {
-            let elapsed = self.elapsed[i] + if active[i] > 0.0 { 1.0 } else { 0.0 };
-            let closes = (active[i] > 0.0) & (elapsed >= self.periods);
+            self.elapsed[i] += if active[i] > 0.0 { 1.0 } else { 0.0 };
+            closes[i] = (active[i] > 0.0) & (self.elapsed[i] >= self.periods);
+        }
+        if closes.contains(&true) {
+            self.close(speed_mps, &closes);
+        }
+    }
+
+    #[inline(always)]
+    fn close(&mut self, speed_mps: &Lanes, closes: &[bool; LANES]) {
+        for i in 0..LANES {
+            let closes = closes[i];
             let accel = (speed_mps[i] - self.start_mps[i]) * self.rate_hz;
             let jerk = (accel - self.previous_mps2[i]) * self.rate_hz;
             let pairs = closes & (self.has_previous[i] > 0.0);
@@ -75,7 +87,7 @@ impl Window {
             self.previous_mps2[i] = if closes { accel } else { self.previous_mps2[i] };
             self.has_previous[i] = if closes { 1.0 } else { self.has_previous[i] };
             self.start_mps[i] = if closes { speed_mps[i] } else { self.start_mps[i] };
-            self.elapsed[i] = if closes { 0.0 } else { elapsed };
+            self.elapsed[i] = if closes { 0.0 } else { self.elapsed[i] };
         }
     }
 }

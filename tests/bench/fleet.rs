@@ -45,11 +45,12 @@ fn controller(bencher: Bencher, name: &str) {
     });
 }
 
-#[divan::bench]
-fn actuators(bencher: Bencher) {
+/// All vehicles with the same dead time, and each with its own.
+#[divan::bench(args = [0.0, 0.01])]
+fn actuators(bencher: Bencher, apart_s: f64) {
     let mut actuators = Actuators::new(0.01, 0.25);
     for slot in 0..LANES {
-        actuators.set(slot, 0.01 * slot as f64, 0.05, 2000.0, 4000.0);
+        actuators.set(slot, 0.05 + apart_s * slot as f64, 0.05, 2000.0, 4000.0);
     }
     bencher
         .counter(ItemsCount::new(LANES))
