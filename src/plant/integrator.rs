@@ -17,7 +17,8 @@
 //!
 //! # The linear systems
 //! The wheels do not see each other, so that A is diagonal in them; eliminating them leaves three unknowns. Where a wheel
-//! loses momentum the body gains it, in A as in f.
+//! loses momentum the body gains it, in A as in f. Of q only 1/q = (√ + x)/(√ (1 + x/2)) and (1 − 1/q)/x are needed, √ the
+//! root of 2x² + 4x + 12: one division for both.
 
 use super::seven_dof::{Car, Drive, Forces, Vector, larger, peaks, rates, road_forces, tyre_forces};
 use super::trig::{Trig, choose};
@@ -168,7 +169,7 @@ fn solve(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, free: &[f64; 4],
     let front = axles[0].dampers([damper[0], damper[1], gh * forces.slope[4]]);
     let rear = axles[1].dampers([damper[2], damper[3], gh * forces.slope[5]]);
     let [xx, xy, yy, x_yaw, y_yaw, yaw_yaw]: [f64; 6] = std::array::from_fn(|k| front[k] + rear[k]);
-    // Inertia: V̇_x = ψ̇ V_y, V̇_y = −ψ̇ X_x.
+    // Inertia: V̇_x = ψ̇ V_y, V̇_y = −ψ̇ V_x.
     let m = gh * car.mass;
     let columns = [
         [car.mass + xx, xy + m * x[2], x_yaw],

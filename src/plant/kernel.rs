@@ -1,8 +1,9 @@
 //! The 7-DoF model over a block of vehicles, as vector code for whatever the machine has.
 //!
-//! The loop over lanes has a constant trip count and no branch, reads and writes columns of one struct, and calls nothing
-//! that is not inlined: the compiler makes vector code of it. It is compiled three times and chosen at run time; without
-//! fused products and with polynomials in place of the platform's trigonometry all three give the same bits.
+//! The loops over lanes ([`super::loops`]) have a constant trip count and no branch between lanes, read and write columns,
+//! and call nothing that is not inlined: the compiler makes vector code of them. They are compiled for every instruction
+//! set and chosen at run time; without fused products and with polynomials in place of the platform's trigonometry all
+//! give the same bits.
 
 use std::cell::RefCell;
 
@@ -32,7 +33,7 @@ impl SevenDof {
         Self { substep_s, set: None }
     }
 
-    /// With this instruction set whatever is in use.
+    /// With bodies that use this instruction set, whatever is in use otherwise.
     pub fn with_instruction_set(substep_s: f64, set: InstructionSet) -> Self {
         Self { substep_s, set: Some(set) }
     }

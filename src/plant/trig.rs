@@ -98,6 +98,7 @@ fn signed(a: f64, x: f64) -> f64 {
     f64::from_bits(a.to_bits() ^ (x.to_bits() & SIGN))
 }
 
+/// The bit of a number's sign.
 const SIGN: u64 = 1 << 63;
 
 /// Two and four terms of a polynomial by Estrin's scheme: a chain of products and sums half as long as Horner's.
