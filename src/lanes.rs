@@ -2,7 +2,7 @@
 //!
 //! Loops over a block have a constant trip count, no branches and no aliasing between arrays, so that the compiler turns
 //! them into vector code for whatever instruction set the machine has. Nothing in such a loop may call the platform's
-//! maths library or fuse multiply-adds: both give other bits on other machines. [`vectorised`] compiles them.
+//! maths library or fuse multiply-adds: both give other bits on other machines. The macro `vectorised!` compiles them.
 
 use std::cell::Cell;
 

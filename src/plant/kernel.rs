@@ -1,6 +1,6 @@
 //! The 7-DoF model over a block of vehicles, as vector code for whatever the machine has.
 //!
-//! The loops over lanes ([`super::loops`]) have a constant trip count and no branch between lanes, read and write columns,
+//! The loops over lanes (`loops.rs`) have a constant trip count and no branch between lanes, read and write columns,
 //! and call nothing that is not inlined: the compiler makes vector code of them. They are compiled for every instruction
 //! set and chosen at run time; without fused products and with polynomials in place of the platform's trigonometry all
 //! give the same bits.

@@ -19,7 +19,7 @@
 //! |V| is the denominator of each. Both denominators have the floor [`FLOOR_MPS`], below which a tyre acts like a
 //! damper: standstill is an equilibrium, at any steer angle.
 //!
-//! Everything here is about one vehicle, in pieces between which [`super::loops`] can stop: slips, what they make of the
+//! Everything here is about one vehicle, in pieces between which `loops.rs` can stop: slips, what they make of the
 //! tyres ([`Grip`]), forces, rates.
 
 use super::axle::Axle;
