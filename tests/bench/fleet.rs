@@ -109,6 +109,8 @@ fn fleet(name: &'static str, vehicles: usize) -> impl FnMut() {
             let block = fleet.block_mut(*slot);
             let target_mps = block.speed_mps(slot.lane()) + change_mps;
             block.set_target(slot.lane(), target_mps.max(0.0), Bound::Traffic);
+            // Bends to the left and to the right: straight ahead, a body would cost less.
+            block.see_heading(slot.lane(), 0.005 * f64::from((step % 64).abs_diff(32)), 0.1);
         }
         fleet.advance(PERIODS, |_| true, Follow::Traffic);
         fleet.close_step();
