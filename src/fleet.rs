@@ -9,7 +9,7 @@ pub mod block;
 pub mod steering;
 
 use crate::control::Controller;
-use crate::lanes::LANES;
+use crate::lanes::{InstructionSet, LANES};
 use crate::plant::{Body, Plant};
 use crate::random::Stream;
 use crate::stats::VehicleStats;
@@ -205,9 +205,11 @@ impl Fleet {
     ) {
         self.stopwatch.start();
         let clockwork = &self.clockwork;
+        // What the caller computes with, other threads do as well.
+        let set = InstructionSet::in_use();
         let work = |block: &mut Block| {
             if !block.is_empty() && select(block) {
-                block.step(clockwork, periods, follow);
+                set.during(|| block.step(clockwork, periods, follow));
             }
         };
         let blocks = among(&mut self.blocks, blocks);

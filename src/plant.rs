@@ -5,9 +5,11 @@
 //! Frames and signs: see [`seven_dof`].
 
 pub mod actuator;
+mod axle;
 pub mod body;
 pub mod integrator;
 mod kernel;
+mod loops;
 pub mod oracle;
 mod point_mass;
 pub mod seven_dof;
@@ -15,13 +17,14 @@ pub mod trig;
 pub mod tyre;
 
 use crate::keys::{Key, Kind, Values};
+pub use crate::lanes::InstructionSet;
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::registry::Entry;
 pub use actuator::{Actuated, Actuators};
 pub use body::{BODIES, BODY_KEYS, Body};
 use integrator::Moment;
-pub use kernel::{InstructionSet, SevenDof};
-use seven_dof::{CAR_COLUMNS, Car, Drive, peaks, tyre_forces};
+pub use kernel::SevenDof;
+use seven_dof::{CAR_COLUMNS, Car, Drive, sine_and_cosine, slips};
 use trig::Libm;
 
 /// State of motion of one vehicle.
@@ -46,6 +49,7 @@ impl State {
 
 /// What acts on the vehicles of a block during one control period.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(align(64))]
 pub struct Inputs {
     /// Torque C_T on the wheels, sum over the wheels: positive drives, negative brakes [N·m].
     pub torque_nm: Lanes,
@@ -59,10 +63,10 @@ pub struct Inputs {
     pub headwind_mps: Lanes,
 }
 
-/// Constants and states of [`LANES`] vehicles.
+/// Constants and states of [`LANES`] vehicles; the columns come first and begin where vectors do.
 #[derive(Debug, Clone)]
+#[repr(C, align(64))]
 pub struct PlantBlock {
-    bodies: [Body; LANES],
     cars: [Lanes; CAR_COLUMNS],
     /// Longitudinal speed V_x [m/s].
     pub vx_mps: Lanes,
@@ -76,6 +80,7 @@ pub struct PlantBlock {
     pub distance_m: Lanes,
     /// Mean accelerations a_x, a_y of the body over the last substep, which shift the wheel loads [m/s²].
     pub acceleration_mps2: [Lanes; 2],
+    bodies: [Body; LANES],
 }
 
 impl Default for PlantBlock {
@@ -160,10 +165,9 @@ impl PlantBlock {
     /// Slip ratios τ of front and rear axle of a slot, mean of left and right, at the steer angle `steer_rad`.
     pub fn slip(&self, slot: usize, steer_rad: f64) -> [f64; 2] {
         let car = Car::pick(&self.cars, slot);
-        let drive = Drive::new::<Libm>(&car, 0.0, steer_rad, 0.0, 0.0, 0.0);
-        let moment = self.moment(slot);
-        let slip = tyre_forces::<Libm>(&car, &drive, &peaks(&car, &drive, moment.acceleration), &moment.x).along;
-        [0.5 * (slip[0].slip + slip[1].slip), 0.5 * (slip[2].slip + slip[3].slip)]
+        let drive = Drive::new(&car, 0.0, 0.0, [steer_rad, 0.0, 0.0].map(sine_and_cosine::<Libm>));
+        let slip = slips(&car, &drive, &self.moment(slot).x).slip;
+        [0.5 * (slip[0] + slip[1]), 0.5 * (slip[2] + slip[3])]
     }
 
     #[inline(always)]

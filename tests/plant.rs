@@ -414,10 +414,10 @@ fn law_instruction_sets_give_the_same_bits() {
     let results: Vec<_> = InstructionSet::available()
         .into_iter()
         .map(|set| {
-            let plant = SevenDof::with_instruction_set(0.005, set);
+            let plant = SevenDof::new(0.005);
             let mut block = start.clone();
             for inputs in &drive {
-                plant.advance(&mut block, inputs, &ALL, PERIOD_S);
+                set.during(|| plant.advance(&mut block, inputs, &ALL, PERIOD_S));
             }
             (0..LANES).map(|slot| bits(&block, slot)).collect::<Vec<_>>()
         })
@@ -453,6 +453,51 @@ fn law_many_slots_equal_one_slot_runs() {
         assert_eq!(bits(&together, slot), bits(&alone, 5), "slot {slot}");
         assert_eq!(bits(&alone, 6), others, "a slot that does not move stays untouched");
     }
+}
+
+/// What is left out where nothing steers, drifts or differs from left to right must not show: sixteen cars that run
+/// straight, with locked and with spinning wheels, at rest and on slopes, with company of their kind and with a neighbour
+/// that needs every tyre computed.
+#[test]
+fn law_a_straight_run_is_the_same_in_any_company() {
+    let mut random = Stream::new(4, "plant", "straight");
+    let mut straight = PlantBlock::new();
+    for slot in 0..LANES {
+        let mut body = (BODIES[slot % BODIES.len()].build)();
+        body.track_width_m = if slot % 3 == 0 { 1.5 } else { 0.0 };
+        body.cg_height_m = if slot % 4 == 0 { 0.5 } else { 0.0 };
+        let speed = if slot % 5 == 0 { 0.0 } else { 30.0 * random.uniform() };
+        let mut state = State::rolling(&body, speed);
+        let [front, rear] = [random.uniform(), random.uniform()].map(|r| if r < 0.3 { 0.0 } else { 3.0 * r });
+        for (wheel, factor) in [front, front, rear, rear].into_iter().enumerate() {
+            state.wheel_speed_radps[wheel] *= factor;
+        }
+        straight.set_body(slot, &body);
+        straight.set_state(slot, &state);
+    }
+    let (crowd, _) = crowd(5);
+    let mut mixed = straight.clone();
+    let mut neighbour = crowd.body(0).clone();
+    neighbour.friction = [0.2, 0.9, 0.5, 1.0];
+    mixed.set_body(0, &neighbour);
+    mixed.set_state(0, &crowd.state(0));
+    let plant = SevenDof::new(PERIOD_S);
+    for _ in 0..300 {
+        let mut inputs = Inputs::default();
+        for slot in 0..LANES {
+            inputs.torque_nm[slot] = straight.body(slot).nominal_nm_per_mps2() * (24.0 * random.uniform() - 16.0);
+            inputs.grade_rad[slot] = if slot % 2 == 0 { 0.1 * random.uniform() } else { 0.0 };
+        }
+        plant.advance(&mut straight, &inputs, &ALL, PERIOD_S);
+        (inputs.steer_rad[0], inputs.bank_rad[0]) = (0.3 * random.uniform(), 0.1);
+        plant.advance(&mut mixed, &inputs, &ALL, PERIOD_S);
+        for slot in 1..LANES {
+            assert_eq!(bits(&straight, slot), bits(&mixed, slot), "slot {slot}");
+            assert_eq!((straight.vy_mps[slot], straight.yaw_rate_radps[slot]), (0.0, 0.0));
+        }
+    }
+    let braked = (1..LANES).filter(|slot| straight.vx_mps[*slot] == 0.0).count();
+    assert!(braked > 0 && straight.vx_mps.iter().any(|v| *v > 1.0), "some stand, some drive: {braked}");
 }
 
 /// Speeds, steer angles and accelerations of the stability grid, 16 to a block.

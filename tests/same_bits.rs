@@ -4,7 +4,8 @@ use sumo_mfc::control::CONTROLLERS;
 use sumo_mfc::fleet::block::{Bound, Follow};
 use sumo_mfc::fleet::{ActuatorSetup, Clockwork, Fleet, GroupSetup, Slot, VehicleSetup};
 use sumo_mfc::keys::Values;
-use sumo_mfc::plant::{BODIES, InstructionSet, SevenDof};
+use sumo_mfc::lanes::InstructionSet;
+use sumo_mfc::plant::{BODIES, SevenDof};
 use sumo_mfc::random::Stream;
 use sumo_mfc::registry::find;
 
@@ -39,7 +40,7 @@ fn drive(controller: &str, set: InstructionSet, threads: usize, vehicles: std::o
     let law = find("controller", CONTROLLERS, controller).unwrap();
     let values = Values::defaults(law.keys);
     let group = GroupSetup { controller: Box::new(move || (law.build)(&values, 0.01)), dead_time_max_s: 0.1 };
-    let plant = Box::new(SevenDof::with_instruction_set(0.01, set));
+    let plant = Box::new(SevenDof::new(0.01));
     let mut fleet = Fleet::new(Clockwork { plant, period_s: 0.01, lead_mps: 1.0 }, vec![group]);
     let slots: Vec<(usize, Slot)> = vehicles.map(|n| (n, fleet.admit(0, vehicle(n)))).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -51,8 +52,8 @@ fn drive(controller: &str, set: InstructionSet, threads: usize, vehicles: std::o
             block.see_heading(slot.lane(), 0.01 * ((number + step) % 50) as f64, 0.1);
             block.set_target(slot.lane(), target_mps, Bound::Traffic);
         }
-        pool.install(|| fleet.advance(10, |_| true, Follow::Traffic));
-        fleet.close_step();
+        pool.install(|| set.during(|| fleet.advance(10, |_| true, Follow::Traffic)));
+        set.during(|| fleet.close_step());
     }
     let seen = |slot: &Slot| {
         let (block, lane) = (fleet.block(*slot), slot.lane());

@@ -9,8 +9,7 @@
 //!
 //! The sum is taken anew over the window in every period. A running sum would save a few nanoseconds and drift.
 
-use crate::lanes::{LANES, Lanes};
-use multiversion::multiversion;
+use crate::lanes::{LANES, Lanes, vectorised};
 
 /// One sample of a block: the measured speed [m/s] and the input that led to it [m/s²].
 #[derive(Debug, Clone, Copy)]
@@ -89,16 +88,17 @@ fn weights(intervals: usize, period_s: f64) -> Vec<Weight> {
         .collect()
 }
 
-/// Adds the weighted samples to `sum`, oldest first whatever the ring's phase: the same bits every time.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn weighted_sum(weights: &[Weight], samples: &[Sample], sum: &mut Lanes) {
-    let mut total = *sum;
-    for (weight, sample) in weights.iter().zip(samples) {
-        for (total, (y, v)) in total.iter_mut().zip(sample.y.iter().zip(&sample.v)) {
-            *total += weight.y * y + weight.v * v;
+vectorised! {
+    /// Adds the weighted samples to `sum`, oldest first whatever the ring's phase: the same bits every time.
+    fn weighted_sum(weights: &[Weight], samples: &[Sample], sum: &mut Lanes) {
+        let mut total = *sum;
+        for (weight, sample) in weights.iter().zip(samples) {
+            for (total, (y, v)) in total.iter_mut().zip(sample.y.iter().zip(&sample.v)) {
+                *total += weight.y * y + weight.v * v;
+            }
         }
+        *sum = total;
     }
-    *sum = total;
 }
 
 #[cfg(test)]

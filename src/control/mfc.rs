@@ -28,8 +28,7 @@
 use super::estimator::Window;
 use super::{Actuation, Command, Controller, Observation};
 use crate::keys::{Key, Kind, Values};
-use crate::lanes::{LANES, Lanes};
-use multiversion::multiversion;
+use crate::lanes::{LANES, Lanes, vectorised};
 
 const WINDOW_S: Key = Key {
     name: "window_s",
@@ -225,30 +224,31 @@ impl Controller for Mfc {
 /// stays a number.
 const INPUT_MAX_MPS2: f64 = 1e6;
 
-/// The iP law and, if asked for, the adaptation, in the order of Algorithm 1.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn intelligent_p(law: &Law, observed: &Observation, f_hat: &Lanes, alpha: &mut Lanes, command: &mut Command) {
-    let adapts = law.adaptation.is_some();
-    let Adaptation { epsilon, window_uses_updated, recompute_u } =
-        law.adaptation.unwrap_or(Adaptation { epsilon: 1.0, window_uses_updated: false, recompute_u: false });
-    for i in 0..LANES {
-        let rate = observed.reference_rate_mps2[i];
-        let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
-        let e = observed.measured_mps[i] - observed.reference_mps[i];
-        let wanted = rate - f_hat[i]; // the input that would keep the error as it is
-        let demand = wanted - law.k_p * e;
+vectorised! {
+    /// The iP law and, if asked for, the adaptation, in the order of Algorithm 1.
+    fn intelligent_p(law: &Law, observed: &Observation, f_hat: &Lanes, alpha: &mut Lanes, command: &mut Command) {
+        let adapts = law.adaptation.is_some();
+        let Adaptation { epsilon, window_uses_updated, recompute_u } =
+            law.adaptation.unwrap_or(Adaptation { epsilon: 1.0, window_uses_updated: false, recompute_u: false });
+        for i in 0..LANES {
+            let rate = observed.reference_rate_mps2[i];
+            let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
+            let e = observed.measured_mps[i] - observed.reference_mps[i];
+            let wanted = rate - f_hat[i]; // the input that would keep the error as it is
+            let demand = wanted - law.k_p * e;
 
-        let used = alpha[i];
-        let u = demand / used;
-        let away_from_zero = if u < 0.0 { u - epsilon } else { u + epsilon };
-        let adapted = (wanted / away_from_zero).max(law.alpha_nominal);
-        let updated = if adapts { adapted } else { used };
-        let sent = if recompute_u { demand / updated } else { u };
-        let in_window = if window_uses_updated { updated } else { used };
-        alpha[i] = updated;
+            let used = alpha[i];
+            let u = demand / used;
+            let away_from_zero = if u < 0.0 { u - epsilon } else { u + epsilon };
+            let adapted = (wanted / away_from_zero).max(law.alpha_nominal);
+            let updated = if adapts { adapted } else { used };
+            let sent = if recompute_u { demand / updated } else { u };
+            let in_window = if window_uses_updated { updated } else { used };
+            alpha[i] = updated;
 
-        let torque_per_u = law.accel_per_unit_mps2 * observed.nominal_nm_per_mps2[i];
-        command.torque_nm[i] = sent * torque_per_u;
-        command.gain_mps2_per_nm[i] = if torque_per_u > 0.0 { in_window / torque_per_u } else { 0.0 };
+            let torque_per_u = law.accel_per_unit_mps2 * observed.nominal_nm_per_mps2[i];
+            command.torque_nm[i] = sent * torque_per_u;
+            command.gain_mps2_per_nm[i] = if torque_per_u > 0.0 { in_window / torque_per_u } else { 0.0 };
+        }
     }
 }

@@ -16,8 +16,7 @@
 
 use super::{Actuation, Command, Controller, Observation};
 use crate::keys::{Key, Kind, Values};
-use crate::lanes::{LANES, Lanes};
-use multiversion::multiversion;
+use crate::lanes::{LANES, Lanes, vectorised};
 
 pub(super) const KEYS: &[Key] = &[
     Key {
@@ -107,23 +106,24 @@ impl Controller for Pid {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn velocity_form(law: &Law, observed: &Observation, memory: &mut Memory, command: &mut Command) {
-    for i in 0..LANES {
-        let rate = observed.reference_rate_mps2[i];
-        let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
-        let e = observed.measured_mps[i] - observed.reference_mps[i];
-        let change = e - memory.error[i];
-        let accel = memory.accel[i] + law.k_ff * (rate - memory.rate[i])
-            - law.k_p * change
-            - law.k_i_dt * e
-            - law.k_d_per_dt * (change - memory.change[i]);
-        memory.error[i] = e;
-        memory.change[i] = change;
-        memory.rate[i] = rate;
+vectorised! {
+    fn velocity_form(law: &Law, observed: &Observation, memory: &mut Memory, command: &mut Command) {
+        for i in 0..LANES {
+            let rate = observed.reference_rate_mps2[i];
+            let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
+            let e = observed.measured_mps[i] - observed.reference_mps[i];
+            let change = e - memory.error[i];
+            let accel = memory.accel[i] + law.k_ff * (rate - memory.rate[i])
+                - law.k_p * change
+                - law.k_i_dt * e
+                - law.k_d_per_dt * (change - memory.change[i]);
+            memory.error[i] = e;
+            memory.change[i] = change;
+            memory.rate[i] = rate;
 
-        let torque_per_accel = observed.nominal_nm_per_mps2[i];
-        command.torque_nm[i] = accel * torque_per_accel;
-        command.gain_mps2_per_nm[i] = if torque_per_accel > 0.0 { 1.0 / torque_per_accel } else { 0.0 };
+            let torque_per_accel = observed.nominal_nm_per_mps2[i];
+            command.torque_nm[i] = accel * torque_per_accel;
+            command.gain_mps2_per_nm[i] = if torque_per_accel > 0.0 { 1.0 / torque_per_accel } else { 0.0 };
+        }
     }
 }

@@ -4,9 +4,8 @@
 //! polylines, so curvature is heading change per driven metre, smoothed over [`SMOOTHING_M`]. The road wheel angle is
 //! that of the steady turn, δ = atan(Lκ) + K_us·a_y with a_y = V²κ (single-track model, ISO 8855 signs: left is positive).
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, vectorised};
 use crate::plant::trig::{Polynomial, Trig};
-use multiversion::multiversion;
 
 /// Length constant of the curvature filter \[m\].
 pub const SMOOTHING_M: f64 = 3.0;
@@ -100,16 +99,17 @@ impl Steering {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn angles_rad(steering: &Steering, share: f64, speed_mps: &Lanes, out: &mut Lanes) {
-    for lane in 0..LANES {
-        let curvature = steering.from_per_m[lane] + share * (steering.to_per_m[lane] - steering.from_per_m[lane]);
-        let square = speed_mps[lane] * speed_mps[lane];
-        // The step's curvature was limited at its end; the speed inside the step may be higher.
-        let limit = steering.lateral_max_mps2[lane] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
-        let kappa = curvature.min(limit).max(-limit);
-        out[lane] =
-            Polynomial::atan(steering.wheelbase_m[lane] * kappa) + steering.understeer_s2_per_m[lane] * square * kappa;
+vectorised! {
+    fn angles_rad(steering: &Steering, share: f64, speed_mps: &Lanes, out: &mut Lanes) {
+        for lane in 0..LANES {
+            let curvature = steering.from_per_m[lane] + share * (steering.to_per_m[lane] - steering.from_per_m[lane]);
+            let square = speed_mps[lane] * speed_mps[lane];
+            // The step's curvature was limited at its end; the speed inside the step may be higher.
+            let limit = steering.lateral_max_mps2[lane] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
+            let kappa = curvature.min(limit).max(-limit);
+            out[lane] =
+                Polynomial::atan(steering.wheelbase_m[lane] * kappa) + steering.understeer_s2_per_m[lane] * square * kappa;
+        }
     }
 }
 

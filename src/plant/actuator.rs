@@ -87,7 +87,7 @@ impl Actuators {
     /// by a later gain.
     pub fn step(&mut self, torque_nm: &Lanes, gain: &Lanes) -> Actuated {
         let rows = self.torque_ring.len();
-        self.head = (self.head + 1) % rows;
+        self.head = if self.head + 1 < rows { self.head + 1 } else { 0 };
         let mut out = Actuated::default();
         for lane in 0..LANES {
             let limited = torque_nm[lane].min(self.drive_max_nm[lane]).max(-self.brake_max_nm[lane]);
@@ -96,22 +96,34 @@ impl Actuators {
             self.torque_ring[self.head][lane] = limited;
         }
         self.product_ring[self.head] = out.saturated;
-        for lane in 0..LANES {
-            let newer = (self.head + rows - self.whole[lane]) % rows;
-            let older = (newer + rows - 1) % rows;
-            let delayed = |ring: &[Lanes]| {
-                let (a, b) = (ring[newer][lane], ring[older][lane]);
-                if self.older[lane] > 0.0 { a + self.older[lane] * (b - a) } else { a }
-            };
-            let (torque, product) = (delayed(&self.torque_ring), delayed(&self.product_ring));
-            let decay = self.decay[lane];
-            self.torque[lane] = if decay > 0.0 { torque + decay * (self.torque[lane] - torque) } else { torque };
-            self.product[lane] = if decay > 0.0 { product + decay * (self.product[lane] - product) } else { product };
+        for (state, ring) in [(&mut self.torque, &self.torque_ring), (&mut self.product, &self.product_ring)] {
+            let [newer, older] = look_back(ring, self.head, &self.whole);
+            for lane in 0..LANES {
+                let (share, decay) = (self.older[lane], self.decay[lane]);
+                let between = newer[lane] + share * (older[lane] - newer[lane]);
+                let delayed = if share > 0.0 { between } else { newer[lane] };
+                let lagged = delayed + decay * (state[lane] - delayed);
+                state[lane] = if decay > 0.0 { lagged } else { delayed };
+            }
         }
         out.torque_nm = self.torque;
         out.applied = self.product;
         out
     }
+}
+
+/// What lies in a ring `whole` periods before the newest row, and one period before that.
+fn look_back(ring: &[Lanes], head: usize, whole: &[usize; LANES]) -> [Lanes; 2] {
+    let row = |back: usize| if head >= back { head - back } else { head + ring.len() - back };
+    if whole.iter().all(|back| *back == whole[0]) {
+        return [ring[row(whole[0])], ring[row(whole[0] + 1)]];
+    }
+    let mut found = [[0.0; LANES]; 2];
+    for lane in 0..LANES {
+        found[0][lane] = ring[row(whole[lane])][lane];
+        found[1][lane] = ring[row(whole[lane] + 1)][lane];
+    }
+    found
 }
 
 #[cfg(test)]

@@ -17,9 +17,10 @@
 //!
 //! # The linear systems
 //! The wheels do not see each other, so that A is diagonal in them; eliminating them leaves three unknowns. Where a wheel
-//! loses momentum the body gains it, in A as in f.
+//! loses momentum the body gains it, in A as in f. Of q only 1/q = (√ + x)/(√ (1 + x/2)) and (1 − 1/q)/x are needed, √ the
+//! root of 2x² + 4x + 12: one division for both.
 
-use super::seven_dof::{Car, Drive, Forces, Vector, across_axis, along_axis, peaks, rates, road_forces, tyre_forces};
+use super::seven_dof::{Car, Drive, Forces, Vector, larger, peaks, rates, road_forces, tyre_forces};
 use super::trig::{Trig, choose};
 
 /// γ = 1 − 1/√2: of the two values that make the method L-stable the one with the smaller error.
@@ -43,26 +44,56 @@ pub struct Moment {
 }
 
 /// Advances by one substep of `h` seconds.
-#[inline(always)]
 pub fn substep<T: Trig>(car: &Car, drive: &Drive, now: &Moment, h: f64) -> Moment {
-    let x = &now.x;
     let peak = peaks(car, drive, now.acceleration);
-    let forces = tyre_forces::<T>(car, drive, &peak, x);
-    let (torque, free) = wheel_torques(car, drive, x, &forces);
-    let k = System::new(car, drive, x, &forces, &free, h).solve(&rates(car, drive, x, &forces, &torque, &free));
-    let mut middle = [0.0; 7];
-    for i in 0..7 {
-        middle[i] = x[i] + 0.5 * h * k[i];
+    let half = first_stage(car, drive, now, &tyre_forces::<T>(car, drive, &peak, &now.x), h);
+    let forces = tyre_forces::<T>(car, drive, &peak, &half.middle(now, h));
+    second_stage(car, drive, now, &half, &forces, h)
+}
+
+/// What the first stage hands on to the second.
+#[derive(Debug, Clone, Copy)]
+pub struct Half {
+    /// The rates k.
+    pub k: Vector,
+    /// Torques C_mi − C_fi of the wheels [N·m].
+    pub torque: [f64; 4],
+    /// 1 for a wheel that turns, 0 for one that its brake holds.
+    pub free: [f64; 4],
+}
+
+impl Half {
+    /// The state x + h/2·k.
+    #[inline(always)]
+    pub fn middle(&self, now: &Moment, h: f64) -> Vector {
+        let mut middle = [0.0; 7];
+        for i in 0..7 {
+            middle[i] = now.x[i] + 0.5 * h * self.k[i];
+        }
+        middle
     }
-    let forces = tyre_forces::<T>(car, drive, &peak, &middle);
-    let mut right = rates(car, drive, &middle, &forces, &torque, &free);
+}
+
+/// The first stage, with the tyre forces at the beginning of the substep.
+#[inline(always)]
+pub fn first_stage(car: &Car, drive: &Drive, now: &Moment, forces: &Forces, h: f64) -> Half {
+    let (torque, free) = wheel_torques(car, drive, &now.x, forces);
+    let right = rates(car, drive, &now.x, forces, &torque, &free);
+    Half { k: solve(car, drive, &now.x, forces, &free, &right, h), torque, free }
+}
+
+/// The second stage, with the tyre forces in the middle of the substep; gives its end.
+#[inline(always)]
+pub fn second_stage(car: &Car, drive: &Drive, now: &Moment, half: &Half, forces: &Forces, h: f64) -> Moment {
+    let middle = half.middle(now, h);
+    let mut right = rates(car, drive, &middle, forces, &half.torque, &half.free);
     for i in 0..7 {
-        right[i] -= k[i];
+        right[i] -= half.k[i];
     }
-    let d = System::new(car, drive, &middle, &forces, &free, h).solve(&right);
+    let d = solve(car, drive, &middle, forces, &half.free, &right, h);
     let mut next = [0.0; 7];
     for i in 0..7 {
-        next[i] = x[i] + h * (k[i] + d[i]);
+        next[i] = now.x[i] + h * (half.k[i] + d[i]);
     }
     finish(car, drive, now, next, h)
 }
@@ -76,9 +107,10 @@ pub fn finish(car: &Car, drive: &Drive, now: &Moment, mut next: Vector, h: f64) 
         next[3 + wheel] = choose(stops, 0.0, next[3 + wheel]);
     }
     let next = hold(car, drive, x, next);
+    let per_h = 1.0 / h;
     Moment {
         x: next,
-        acceleration: [(next[0] - x[0]) / h - next[2] * next[1], (next[1] - x[1]) / h + next[2] * next[0]],
+        acceleration: [(next[0] - x[0]) * per_h - next[2] * next[1], (next[1] - x[1]) * per_h + next[2] * next[0]],
         distance: now.distance + 0.5 * h * (x[0] + next[0]),
     }
 }
@@ -90,7 +122,7 @@ pub fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> (
     let (mut torque, mut free) = ([0.0; 4], [0.0; 4]);
     for wheel in 0..4 {
         let (motor, brake, speed) = (drive.motor[wheel / 2], drive.brake[wheel / 2], x[3 + wheel]);
-        let pull = motor - car.radius * forces.along[wheel].force;
+        let pull = motor - car.radius * forces.force[wheel];
         let direction = choose(speed == 0.0, pull, speed);
         let held = (brake > 0.0) & (speed == 0.0) & (pull.abs() <= brake);
         torque[wheel] = motor - brake.copysign(direction);
@@ -105,10 +137,10 @@ pub fn wheel_torques(car: &Car, drive: &Drive, x: &Vector, forces: &Forces) -> (
 fn hold(car: &Car, drive: &Drive, x: &Vector, mut next: Vector) -> Vector {
     let brake = 2.0 * (drive.brake[0] + drive.brake[1]);
     let crossed = (next[0] * x[0] < 0.0) | (next[0].abs() <= HOLD_MPS);
-    let mut quiet = (next[1].abs() <= HOLD_OTHERWISE) & (next[2].abs() <= HOLD_OTHERWISE);
-    for speed in &next[3..] {
-        quiet &= (car.radius * speed).abs() <= HOLD_OTHERWISE;
-    }
+    let [_, sideways, yaw, fl, fr, rl, rr] = next.map(f64::abs);
+    let rim = car.radius * larger(larger(fl, fr), larger(rl, rr));
+    let otherwise = larger(larger(sideways, yaw), rim);
+    let quiet = otherwise <= HOLD_OTHERWISE;
     let mut still = next;
     still[0] = 0.0;
     let pull = road_forces(car, drive, &still)[0].abs() * car.radius;
@@ -119,109 +151,68 @@ fn hold(car: &Car, drive: &Drive, x: &Vector, mut next: Vector) -> Vector {
     next
 }
 
-/// The matrix 1 − γhA with the wheels eliminated and the rest factorised.
-struct System {
-    mass: [f64; 3],
-    /// 1/q of the wheels.
-    relief: [f64; 4],
-    /// What the speed of the hub adds to a wheel, and a wheel to the body.
-    coupling: [f64; 4],
-    lift: [f64; 4],
-    axis: [[f64; 3]; 4],
-    /// LU factors of the 3×3 body matrix, reciprocal pivots on the diagonal.
-    lu: [[f64; 3]; 3],
-}
-
-impl System {
-    #[inline(always)]
-    fn new(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, free: &[f64; 4], h: f64) -> Self {
-        let gh = GAMMA * h;
-        let mass = [car.mass, car.mass, car.yaw_inertia];
-        let mut s = [[0.0; 3]; 3];
-        let (mut relief, mut coupling, mut lift, mut axis) = ([0.0; 4], [0.0; 4], [0.0; 4], [[0.0; 3]; 4]);
-        let per_inertia = car.radius / car.wheel_inertia;
-        for wheel in 0..4 {
-            let slope = h * forces.along[wheel].slope;
-            // γ of this wheel, (q − 1)/x; a wheel that its brake holds leaves the stiffness to the body.
-            let stiff = slope * per_inertia * car.radius;
-            let gamma = choose(free[wheel] > 0.0, fitted_gamma(stiff), GAMMA);
-            let c = gamma * slope;
-            let turn = free[wheel] * per_inertia * c;
-            relief[wheel] = 1.0 / (1.0 + turn * car.radius);
-            coupling[wheel] = turn * relief[wheel];
-            lift[wheel] = c * car.radius * relief[wheel];
-            axis[wheel] = along_axis(car, drive, wheel);
-            rank_one(&mut s, axis[wheel], c * relief[wheel]);
-        }
-        for axle in 0..2 {
-            rank_one(&mut s, across_axis(car, drive, axle), gh * forces.across[axle].slope);
-        }
-        // Inertia: V̇_x = ψ̇ V_y, V̇_y = −ψ̇ V_x.
-        let m = gh * car.mass;
-        s[0][0] += mass[0];
-        s[0][1] -= m * x[2];
-        s[0][2] -= m * x[1];
-        s[1][0] += m * x[2];
-        s[1][1] += mass[1];
-        s[1][2] += m * x[0];
-        s[2][2] += mass[2];
-        Self { mass, coupling, relief, lift, axis, lu: factorise(s) }
-    }
-
-    #[inline(always)]
-    fn solve(&self, right: &Vector) -> Vector {
-        let mut b = [0.0; 3];
-        for k in 0..3 {
-            b[k] = self.mass[k] * right[k];
-            for wheel in 0..4 {
-                b[k] += self.axis[wheel][k] * self.lift[wheel] * right[3 + wheel];
-            }
-        }
-        let lu = &self.lu;
-        b[1] -= lu[1][0] * b[0];
-        b[2] -= lu[2][0] * b[0] + lu[2][1] * b[1];
-        b[2] *= lu[2][2];
-        b[1] = (b[1] - lu[1][2] * b[2]) * lu[1][1];
-        b[0] = (b[0] - lu[0][1] * b[1] - lu[0][2] * b[2]) * lu[0][0];
-        let mut out = [b[0], b[1], b[2], 0.0, 0.0, 0.0, 0.0];
-        for wheel in 0..4 {
-            let axis = self.axis[wheel];
-            let hub = axis[0] * b[0] + axis[1] * b[1] + axis[2] * b[2];
-            out[3 + wheel] = self.relief[wheel] * right[3 + wheel] + self.coupling[wheel] * hub;
-        }
-        out
-    }
-}
-
-/// (q − 1)/x of the head of this file.
+/// Solves (1 − γhA) out = right: eliminates the wheels, solves for the body, and gives the wheels what the hubs add.
 #[inline(always)]
-fn fitted_gamma(x: f64) -> f64 {
+fn solve(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, free: &[f64; 4], right: &Vector, h: f64) -> Vector {
+    let (mut relief, mut damper, mut push) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+    let per_inertia = car.radius * car.per_wheel_inertia;
+    for wheel in 0..4 {
+        let slope = h * forces.slope[wheel];
+        let wheel_answer = fitted(slope * per_inertia * car.radius);
+        relief[wheel] = wheel_answer[0];
+        // A wheel that its brake holds leaves the stiffness to the body.
+        damper[wheel] = slope * choose(free[wheel] > 0.0, wheel_answer[1], GAMMA);
+        push[wheel] = car.radius * damper[wheel] * right[3 + wheel];
+    }
+    let gh = GAMMA * h;
+    let axles = drive.axles(car);
+    let front = axles[0].dampers([damper[0], damper[1], gh * forces.slope[4]]);
+    let rear = axles[1].dampers([damper[2], damper[3], gh * forces.slope[5]]);
+    let [xx, xy, yy, x_yaw, y_yaw, yaw_yaw]: [f64; 6] = std::array::from_fn(|k| front[k] + rear[k]);
+    // Inertia: V̇_x = ψ̇ V_y, V̇_y = −ψ̇ V_x.
+    let m = gh * car.mass;
+    let columns = [
+        [car.mass + xx, xy + m * x[2], x_yaw],
+        [xy - m * x[2], car.mass + yy, y_yaw],
+        [x_yaw - m * x[1], y_yaw + m * x[0], car.yaw_inertia + yaw_yaw],
+    ];
+    let front = axles[0].forces([push[0], push[1], 0.0]);
+    let rear = axles[1].forces([push[2], push[3], 0.0]);
+    let mass = [car.mass, car.mass, car.yaw_inertia];
+    let body = solve_three(&columns, std::array::from_fn(|k| mass[k] * right[k] + (front[k] + rear[k])));
+    let [front, rear] = axles.map(|axle| axle.speeds(body).0);
+    let hub = [front[0], front[1], rear[0], rear[1]];
+    let mut out = [body[0], body[1], body[2], 0.0, 0.0, 0.0, 0.0];
+    for wheel in 0..4 {
+        out[3 + wheel] = relief[wheel] * right[3 + wheel] + free[wheel] * per_inertia * damper[wheel] * hub[wheel];
+    }
+    out
+}
+
+/// 1/q and γ/q with γ = (q − 1)/x, of the head of this file.
+#[inline(always)]
+fn fitted(x: f64) -> [f64; 2] {
     let root = (2.0 * x * x + 4.0 * x + 12.0).sqrt();
-    (0.5 * root - 1.0) / (root + x)
+    let scale = 1.0 / (root * (1.0 + 0.5 * x));
+    [(root + x) * scale, (0.5 * root - 1.0) * scale]
+}
+
+/// Cramer's rule. The symmetric part of the matrix is positive definite, so that its determinant does not vanish.
+#[inline(always)]
+fn solve_three([a, b, c]: &[[f64; 3]; 3], right: [f64; 3]) -> [f64; 3] {
+    let bc = cross(b, c);
+    let scale = 1.0 / dot(a, &bc);
+    [dot(&right, &bc) * scale, dot(a, &cross(&right, c)) * scale, dot(a, &cross(b, &right)) * scale]
 }
 
 #[inline(always)]
-fn rank_one(s: &mut [[f64; 3]; 3], axis: [f64; 3], weight: f64) {
-    for i in 0..3 {
-        for j in 0..3 {
-            s[i][j] += weight * axis[i] * axis[j];
-        }
-    }
+fn cross(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// LU without pivoting: the symmetric part of the matrix is positive definite, so that no pivot vanishes.
 #[inline(always)]
-fn factorise(mut s: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    s[0][0] = 1.0 / s[0][0];
-    s[1][0] *= s[0][0];
-    s[2][0] *= s[0][0];
-    s[1][1] -= s[1][0] * s[0][1];
-    s[1][2] -= s[1][0] * s[0][2];
-    s[1][1] = 1.0 / s[1][1];
-    s[2][1] = (s[2][1] - s[2][0] * s[0][1]) * s[1][1];
-    s[2][2] -= s[2][0] * s[0][2] + s[2][1] * s[1][2];
-    s[2][2] = 1.0 / s[2][2];
-    s
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]
@@ -232,27 +223,20 @@ mod tests {
     fn law_slip_dies_out_as_it_should() {
         for k in 1..100_000 {
             let x = 0.005 * f64::from(k);
-            let q = 1.0 + x * fitted_gamma(x);
-            let factor = 1.0 - 2.0 * x / q + (0.5 * x * x + x) / (q * q);
+            let [relief, share] = fitted(x);
+            assert!((relief + x * share - 1.0).abs() < 1e-14, "{x}: q = 1 + xγ");
+            let factor = 1.0 - 2.0 * x * relief + (0.5 * x * x + x) * relief * relief;
             assert!((factor - libm::exp(-x)).abs() < 0.0082, "{x}: {factor}");
         }
     }
 
     #[test]
-    fn law_the_factors_solve_the_system() {
-        let s = [[5.0, -1.0, 0.5], [2.0, 7.0, 3.0], [0.5, -3.0, 9.0]];
-        let system = System {
-            mass: [1.0; 3],
-            relief: [1.0; 4],
-            coupling: [0.0; 4],
-            lift: [0.0; 4],
-            axis: [[0.0; 3]; 4],
-            lu: factorise(s),
-        };
+    fn law_three_equations_are_solved() {
+        let columns = [[5.0, 2.0, 0.5], [-1.0, 7.0, -3.0], [0.5, 3.0, 9.0]];
         let right = [1.0, -2.0, 3.0];
-        let b = system.solve(&[right[0], right[1], right[2], 0.0, 0.0, 0.0, 0.0]);
-        for (row, want) in s.iter().zip(right) {
-            let got = row[0] * b[0] + row[1] * b[1] + row[2] * b[2];
+        let out = solve_three(&columns, right);
+        for (row, want) in right.into_iter().enumerate() {
+            let got: f64 = (0..3).map(|k| columns[k][row] * out[k]).sum();
             assert!((got - want).abs() < 1e-14, "{got} against {want}");
         }
     }

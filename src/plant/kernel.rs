@@ -1,44 +1,18 @@
 //! The 7-DoF model over a block of vehicles, as vector code for whatever the machine has.
 //!
-//! The loop over lanes has a constant trip count and no branch, reads and writes columns of one struct, and calls nothing
-//! that is not inlined: the compiler makes vector code of it. It is compiled three times and chosen at run time; without
-//! fused products and with polynomials in place of the platform's trigonometry all three give the same bits.
+//! The loops over lanes (`loops.rs`) have a constant trip count and no branch between lanes, read and write columns,
+//! and call nothing that is not inlined: the compiler makes vector code of them. They are compiled for every instruction
+//! set and chosen at run time; without fused products and with polynomials in place of the platform's trigonometry all
+//! give the same bits.
+
+use std::cell::RefCell;
 
 use super::integrator::substep;
-use super::seven_dof::{Car, Drive};
-use super::trig::{Libm, Polynomial, Trig};
+use super::loops::{Workspace, advance_lanes};
+use super::seven_dof::{Car, Drive, sine_and_cosine};
+use super::trig::Libm;
 use super::{Inputs, Plant, PlantBlock};
-use crate::lanes::{Flags, LANES};
-
-/// Vector instructions that a block can be advanced with. All give the same bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum InstructionSet {
-    /// What every processor of the architecture has.
-    Baseline,
-    /// AVX2.
-    Avx2,
-    /// AVX-512.
-    Avx512,
-}
-
-impl InstructionSet {
-    /// The sets that this machine has, best first.
-    pub fn available() -> Vec<Self> {
-        let mut sets = vec![Self::Baseline];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if std::is_x86_feature_detected!("avx2") && std::is_x86_feature_detected!("fma") {
-                sets.push(Self::Avx2);
-            }
-            let wide = std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl");
-            if wide && std::is_x86_feature_detected!("avx512dq") && std::is_x86_feature_detected!("avx512bw") {
-                sets.push(Self::Avx512);
-            }
-        }
-        sets.reverse();
-        sets
-    }
-}
+use crate::lanes::{Flags, InstructionSet, LANES, vectorised};
 
 /// The 7-DoF model of [`super::seven_dof`], integrated by [`super::integrator`].
 ///
@@ -50,25 +24,25 @@ impl InstructionSet {
 #[derive(Debug, Clone, Copy)]
 pub struct SevenDof {
     substep_s: f64,
-    set: InstructionSet,
+    set: Option<InstructionSet>,
 }
 
 impl SevenDof {
-    /// With substeps of at most `substep_s` and the best instruction set of this machine.
+    /// With substeps of at most `substep_s`.
     pub fn new(substep_s: f64) -> Self {
-        Self { substep_s, set: InstructionSet::available()[0] }
+        Self { substep_s, set: None }
     }
 
-    /// With a chosen instruction set; one that the machine lacks falls back to the baseline.
+    /// With bodies that use this instruction set, whatever is in use otherwise.
     pub fn with_instruction_set(substep_s: f64, set: InstructionSet) -> Self {
-        Self { substep_s, set }
+        Self { substep_s, set: Some(set) }
     }
 
     /// The same by the `libm` crate, one slot at a time: the oracle of the vector code.
     pub fn advance_scalar(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
         let (count, h) = self.substeps(period_s);
         for lane in (0..LANES).filter(|&lane| moving[lane] > 0.0) {
-            let (car, drive) = acting::<Libm>(block, inputs, lane);
+            let (car, drive) = acting(block, inputs, lane);
             let mut moment = block.moment(lane);
             for _ in 0..count {
                 moment = substep::<Libm>(&car, &drive, &moment, h);
@@ -84,53 +58,36 @@ impl SevenDof {
     }
 }
 
+thread_local! {
+    /// One for all blocks that a thread advances: it stays in the nearest cache, and nobody has to fill it with zeros.
+    static WORKSPACE: RefCell<Workspace> = const { RefCell::new(Workspace::NEW) };
+}
+
 impl Plant for SevenDof {
     fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
         let (count, h) = self.substeps(period_s);
-        for _ in 0..count {
-            match self.set {
-                InstructionSet::Baseline => advance_baseline(block, inputs, moving, h),
-                InstructionSet::Avx2 => advance_avx2(block, inputs, moving, h),
-                InstructionSet::Avx512 => advance_avx512(block, inputs, moving, h),
-            }
+        if moving.iter().all(|moving| *moving == 0.0) {
+            return;
         }
+        let work = |work: &mut Workspace| {
+            for _ in 0..count {
+                advance(work, block, inputs, moving, h);
+            }
+        };
+        self.set.unwrap_or_else(InstructionSet::in_use).during(|| WORKSPACE.with_borrow_mut(work));
     }
 }
 
 /// The vehicle in a lane and what acts on it.
-#[inline(always)]
-pub fn acting<T: Trig>(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
+pub fn acting(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
     let car = Car::pick(&block.cars, lane);
-    let drive = Drive::new::<T>(
-        &car,
-        inputs.torque_nm[lane],
-        inputs.steer_rad[lane],
-        inputs.grade_rad[lane],
-        inputs.bank_rad[lane],
-        inputs.headwind_mps[lane],
-    );
-    (car, drive)
+    let angles = [inputs.steer_rad[lane], inputs.grade_rad[lane], inputs.bank_rad[lane]];
+    let angles = angles.map(sine_and_cosine::<Libm>);
+    (car, Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles))
 }
 
-#[inline(always)]
-fn advance_lanes(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    for (lane, &moving) in moving.iter().enumerate() {
-        let (car, drive) = acting::<Polynomial>(block, inputs, lane);
-        let next = substep::<Polynomial>(&car, &drive, &block.moment(lane), h);
-        block.put(lane, &next, moving);
+vectorised! {
+    fn advance(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+        advance_lanes(work, block, inputs, moving, h);
     }
-}
-
-fn advance_baseline(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
-}
-
-#[multiversion::multiversion(targets("x86_64+avx2+fma"))]
-fn advance_avx2(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
-}
-
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
-fn advance_avx512(block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
-    advance_lanes(block, inputs, moving, h);
 }

@@ -69,7 +69,7 @@ impl Reference {
 impl Plant for Reference {
     fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
         for lane in (0..LANES).filter(|&lane| moving[lane] > 0.0) {
-            let (car, drive) = acting::<Libm>(block, inputs, lane);
+            let (car, drive) = acting(block, inputs, lane);
             let next = self.period(&car, &drive, block.moment(lane), period_s);
             block.put(lane, &next, 1.0);
         }

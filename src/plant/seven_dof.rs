@@ -18,7 +18,11 @@
 //! with it no tyre can feed energy into the body. The one formula for τ equals the paper's two: the larger of |rω| and
 //! |V| is the denominator of each. Both denominators have the floor [`FLOOR_MPS`], below which a tyre acts like a
 //! damper: standstill is an equilibrium, at any steer angle.
+//!
+//! Everything here is about one vehicle, in pieces between which `loops.rs` can stop: slips, what they make of the
+//! tyres ([`Grip`]), forces, rates.
 
+use super::axle::Axle;
 use super::body::{AIR_DENSITY_KGPM3, Body, GRAVITY_MPS2};
 use super::trig::{Trig, choose};
 use super::tyre::Tyre;
@@ -37,14 +41,18 @@ pub struct Car {
     pub mass: f64,
     /// I_z [kg·m²].
     pub yaw_inertia: f64,
+    /// 1/M.
+    pub per_mass: f64,
+    /// 1/I_z.
+    pub per_yaw_inertia: f64,
+    /// 1/I_r.
+    pub per_wheel_inertia: f64,
     /// l_f, −l_r: x of the axles \[m\].
     pub axle_x: [f64; 2],
     /// w/2 \[m\].
     pub half_track: f64,
     /// r \[m\].
     pub radius: f64,
-    /// I_r [kg·m²].
-    pub wheel_inertia: f64,
     /// Longitudinal shape of front and rear tyres.
     pub longitudinal: [Tyre; 2],
     /// Lateral shape of front and rear tyres.
@@ -72,7 +80,11 @@ pub struct Car {
 }
 
 /// Number of columns that hold a [`Car`].
-pub const CAR_COLUMNS: usize = 36;
+pub const CAR_COLUMNS: usize = 38;
+
+/// Where among them the tyres begin, and where the friction ellipse is.
+const TYRES: usize = 23;
+const ELLIPSE: usize = 8;
 
 impl Car {
     /// What the equations need of a body.
@@ -83,10 +95,12 @@ impl Car {
         Self {
             mass: body.mass_kg,
             yaw_inertia: body.yaw_inertia_kgm2,
+            per_mass: 1.0 / body.mass_kg,
+            per_yaw_inertia: 1.0 / body.yaw_inertia_kgm2,
+            per_wheel_inertia: 1.0 / body.wheel_inertia_kgm2,
             axle_x: [body.front_axle_m, -body.rear_axle_m],
             half_track: 0.5 * body.track_width_m,
             radius: body.wheel_radius_m,
-            wheel_inertia: body.wheel_inertia_kgm2,
             longitudinal: body.longitudinal,
             lateral: body.lateral,
             friction: body.friction,
@@ -105,7 +119,7 @@ impl Car {
     /// Writes this car into its lane of the columns.
     pub fn put(&self, columns: &mut [Lanes; CAR_COLUMNS], lane: usize) {
         let tyres = self.longitudinal.iter().chain(&self.lateral).flat_map(|t| [t.b, t.c, t.e]);
-        let values = [self.mass, self.yaw_inertia, self.half_track, self.radius, self.wheel_inertia]
+        let values = [self.mass, self.yaw_inertia, self.half_track, self.radius, self.per_wheel_inertia]
             .into_iter()
             .chain([self.pitch_transfer, self.drag, self.rolling, self.ellipse])
             .chain(self.axle_x)
@@ -115,10 +129,29 @@ impl Car {
             .chain(self.brake_share)
             .chain(self.friction)
             .chain(tyres)
-            .chain([self.lateral_grip]);
+            .chain([self.lateral_grip, self.per_mass, self.per_yaw_inertia]);
         for (column, value) in columns.iter_mut().zip(values) {
             column[lane] = value;
         }
+    }
+
+    /// The tyre of a wheel, or of an axle across, in the order of [`Slips`].
+    #[inline(always)]
+    pub fn tyre(&self, i: usize) -> &Tyre {
+        if i < 4 { &self.longitudinal[i / 2] } else { &self.lateral[i - 4] }
+    }
+
+    /// B, C and E of [`Car::tyre`] among the columns.
+    #[inline(always)]
+    pub fn tyre_columns(columns: &[Lanes; CAR_COLUMNS], i: usize) -> [&Lanes; 3] {
+        let first = TYRES + 3 * if i < 4 { i / 2 } else { i - 2 };
+        [&columns[first], &columns[first + 1], &columns[first + 2]]
+    }
+
+    /// The column of [`Car::ellipse`].
+    #[inline(always)]
+    pub fn ellipse_column(columns: &[Lanes; CAR_COLUMNS]) -> &Lanes {
+        &columns[ELLIPSE]
     }
 
     /// Reads a car back from its lane of the columns.
@@ -131,22 +164,31 @@ impl Car {
             yaw_inertia: columns[1][lane],
             half_track: columns[2][lane],
             radius: columns[3][lane],
-            wheel_inertia: columns[4][lane],
+            per_wheel_inertia: columns[4][lane],
             pitch_transfer: columns[5][lane],
             drag: columns[6][lane],
             rolling: columns[7][lane],
-            ellipse: columns[8][lane],
+            ellipse: columns[ELLIPSE][lane],
             axle_x: pair(9),
             load: pair(11),
             roll_transfer: pair(13),
             drive_share: pair(15),
             brake_share: pair(17),
             friction: [columns[19][lane], columns[20][lane], columns[21][lane], columns[22][lane]],
-            longitudinal: [tyre(23), tyre(26)],
-            lateral: [tyre(29), tyre(32)],
+            longitudinal: [tyre(TYRES), tyre(TYRES + 3)],
+            lateral: [tyre(TYRES + 6), tyre(TYRES + 9)],
             lateral_grip: columns[35][lane],
+            per_mass: columns[36][lane],
+            per_yaw_inertia: columns[37][lane],
         }
     }
+}
+
+/// Sine and cosine of an angle within ±π/2. By the square root, cos 0 is exactly 1.
+#[inline(always)]
+pub fn sine_and_cosine<T: Trig>(angle: f64) -> [f64; 2] {
+    let sine = T::sin(angle);
+    [sine, (1.0 - sine * sine).sqrt()]
 }
 
 /// What acts on one vehicle, constant over a control period.
@@ -167,24 +209,27 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// Splits the torque C_T over the axles and turns the angles of the road into forces.
+    /// Splits the torque C_T over the axles and turns the angles of the road, given as sine and cosine, into forces.
     ///
-    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2 \[rad\].
+    /// Grade is positive uphill; bank is positive where the road rises to the left. All angles within ±π/2.
     #[inline(always)]
-    pub fn new<T: Trig>(car: &Car, torque: f64, steer: f64, grade: f64, bank: f64, headwind: f64) -> Self {
+    pub fn new(car: &Car, torque: f64, headwind: f64, [steer, grade, bank]: [[f64; 2]; 3]) -> Self {
         let motor = larger(torque, 0.0);
         let brake = larger(-torque, 0.0);
-        let (sin_steer, sin_grade, sin_bank) = (T::sin(steer), T::sin(grade), T::sin(bank));
-        // By the square root, cos 0 is exactly 1.
-        let cosine = |sine: f64| (1.0 - sine * sine).sqrt();
         Self {
-            steer: [cosine(sin_steer), sin_steer],
+            steer: [steer[1], steer[0]],
             motor: car.drive_share.map(|share| share * motor),
             brake: car.brake_share.map(|share| share * brake),
-            gravity: [-GRAVITY_MPS2 * sin_grade, -GRAVITY_MPS2 * sin_bank * cosine(sin_grade)],
-            load_scale: cosine(sin_grade) * cosine(sin_bank),
+            gravity: [-GRAVITY_MPS2 * grade[0], -GRAVITY_MPS2 * bank[0] * grade[1]],
+            load_scale: grade[1] * bank[1],
             headwind,
         }
+    }
+
+    /// The axles of a car that steers so.
+    #[inline(always)]
+    pub fn axles(&self, car: &Car) -> [Axle; 2] {
+        [Axle::new(car.axle_x[0], car.half_track, Some(self.steer)), Axle::new(car.axle_x[1], car.half_track, None)]
     }
 }
 
@@ -205,50 +250,29 @@ pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
     peak
 }
 
-/// A tyre force, and what an implicit step wants to know about it.
+/// The slip of the tyres: of the wheels along, then of the axles across.
 #[derive(Debug, Clone, Copy)]
-pub struct Force {
-    /// The force in tyre axes \[N\].
-    pub force: f64,
-    /// Its chord over the slip speed that causes it, ≥ 0 [N per m/s].
-    pub slope: f64,
-    /// Slip ratio or slip angle.
-    pub slip: f64,
-    /// Force over peak.
-    pub shape: f64,
+pub struct Slips {
+    /// Slip ratios of the wheels, tangents of the slip angles of the axles.
+    pub slip: [f64; 6],
+    /// 1/slip speed [s/m], or 0 where hardly anything slips.
+    pub per_speed: [f64; 6],
+    /// Where hardly anything slips the chord of the tyre's shape, BC/scale [s/m], else 0.
+    pub limit: [f64; 6],
 }
 
-/// Forces of all tyres on the body.
+/// Forces of all tyres, in tyre axes: of the wheels along, then of the axles across.
 #[derive(Debug, Clone, Copy)]
 pub struct Forces {
-    /// F_xp of the wheels.
-    pub along: [Force; 4],
-    /// F_yp of the axles, both wheels.
-    pub across: [Force; 2],
+    /// The forces \[N\].
+    pub force: [f64; 6],
+    /// Their chords over the slip speeds that cause them, ≥ 0 [N per m/s].
+    pub slope: [f64; 6],
 }
 
-/// Direction in which a longitudinal tyre force acts on (V_x, V_y, ψ̇), and which of them its hub speed is made of.
+/// The larger of two numbers, in one instruction.
 #[inline(always)]
-pub fn along_axis(car: &Car, drive: &Drive, wheel: usize) -> [f64; 3] {
-    let y = if wheel.is_multiple_of(2) { car.half_track } else { -car.half_track };
-    let [cos, sin] = if wheel < 2 { drive.steer } else { [1.0, 0.0] };
-    [cos, sin, car.axle_x[wheel / 2] * sin - y * cos]
-}
-
-/// The same for the lateral force of an axle.
-#[inline(always)]
-pub fn across_axis(car: &Car, drive: &Drive, axle: usize) -> [f64; 3] {
-    let [cos, sin] = if axle == 0 { drive.steer } else { [1.0, 0.0] };
-    [-sin, cos, car.axle_x[axle] * cos]
-}
-
-#[inline(always)]
-fn dot(axis: [f64; 3], x: &Vector) -> f64 {
-    axis[0] * x[0] + axis[1] * x[1] + axis[2] * x[2]
-}
-
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
+pub fn larger(a: f64, b: f64) -> f64 {
     choose(a > b, a, b)
 }
 
@@ -257,70 +281,84 @@ fn within_one(a: f64) -> f64 {
     choose(a.abs() > 1.0, 1.0_f64.copysign(a), a)
 }
 
-/// Tyre forces in state `x`. Written out wheel by wheel: a loop here would keep the loop over lanes from becoming vector
-/// code.
+/// Slip in state `x`. A tyre that does not slip at all has +0.
+#[inline(always)]
+pub fn slips(car: &Car, drive: &Drive, x: &Vector) -> Slips {
+    let mut slips = Slips { slip: [0.0; 6], per_speed: [0.0; 6], limit: [0.0; 6] };
+    let [front, rear] = drive.axles(car);
+    let v = [x[0], x[1], x[2]];
+    let ([fl, fr, f], ahead) = front.speeds(v);
+    let ([rl, rr, r], back) = rear.speeds(v);
+    let hub = [fl, fr, rl, rr, ahead, back];
+    let rim = [car.radius * x[3], car.radius * x[4], car.radius * x[5], car.radius * x[6], 0.0, 0.0];
+    let speed = [rim[0] - hub[0], rim[1] - hub[1], rim[2] - hub[2], rim[3] - hub[3], 0.0 - f, 0.0 - r];
+    for i in 0..6 {
+        let scale = larger(larger(rim[i].abs(), hub[i].abs()), FLOOR_MPS);
+        let slides = speed[i].abs() > 1e-7;
+        // One division for both reciprocals.
+        let safe = choose(slides, speed[i], 1.0);
+        let both = 1.0 / (scale * safe);
+        let per_scale = both * safe;
+        let slip = speed[i] * per_scale;
+        slips.slip[i] = if i < 4 { within_one(slip) } else { slip };
+        slips.per_speed[i] = choose(slides, both * scale, 0.0);
+        slips.limit[i] = choose(slides, 0.0, car.tyre(i).slope_per_peak() * per_scale);
+    }
+    slips
+}
+
+/// What slip makes of the tyres.
+#[derive(Debug, Clone, Copy)]
+pub struct Grip {
+    /// Force over peak.
+    pub shape: [f64; 6],
+    /// Share of its peak that a wheel has left across: with the friction ellipse, it lacks what is spent along.
+    pub left: [f64; 4],
+}
+
+impl Grip {
+    /// Of the tyres with these slips.
+    #[inline(always)]
+    pub fn new<T: Trig>(car: &Car, slip: &[f64; 6]) -> Self {
+        let shape: [f64; 6] = std::array::from_fn(|i| {
+            let slip = if i < 4 { slip[i] } else { T::atan(slip[i]) };
+            car.tyre(i).shape::<T>(slip)
+        });
+        Self { shape, left: std::array::from_fn(|wheel| left_across(car.ellipse, shape[wheel])) }
+    }
+}
+
+/// [`Grip::left`] of a wheel.
+#[inline(always)]
+pub fn left_across(ellipse: f64, shape: f64) -> f64 {
+    (1.0 - ellipse * shape * shape).sqrt()
+}
+
+/// Forces of tyres with these slips.
+#[inline(always)]
+pub fn forces(car: &Car, peak: &[f64; 4], slips: &Slips, grip: &Grip) -> Forces {
+    let [fl, fr, rl, rr] = [0, 1, 2, 3].map(|wheel| peak[wheel] * grip.left[wheel]);
+    let peak = [peak[0], peak[1], peak[2], peak[3], car.lateral_grip * (fl + fr), car.lateral_grip * (rl + rr)];
+    let mut forces = Forces { force: [0.0; 6], slope: [0.0; 6] };
+    for i in 0..6 {
+        forces.force[i] = peak[i] * grip.shape[i];
+        forces.slope[i] = peak[i] * larger(grip.shape[i] * slips.per_speed[i] + slips.limit[i], 0.0);
+    }
+    forces
+}
+
+/// Tyre forces in state `x`.
 #[inline(always)]
 pub fn tyre_forces<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector) -> Forces {
-    let along = [
-        along_force::<T>(car, drive, peak, x, 0),
-        along_force::<T>(car, drive, peak, x, 1),
-        along_force::<T>(car, drive, peak, x, 2),
-        along_force::<T>(car, drive, peak, x, 3),
-    ];
-    let across = [across_force::<T>(car, drive, peak, &along, x, 0), across_force::<T>(car, drive, peak, &along, x, 1)];
-    Forces { along, across }
-}
-
-/// F_xp of a wheel.
-#[inline(always)]
-fn along_force<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector, wheel: usize) -> Force {
-    let tyre = &car.longitudinal[wheel / 2];
-    let hub = dot(along_axis(car, drive, wheel), x);
-    let rim = car.radius * x[3 + wheel];
-    let per_scale = 1.0 / larger(larger(rim.abs(), hub.abs()), FLOOR_MPS);
-    let slip = within_one((rim - hub) * per_scale);
-    let shape = tyre.shape::<T>(slip);
-    let (force, stiffness) = (peak[wheel] * shape, peak[wheel] * tyre.b * tyre.c * per_scale);
-    Force { force, slope: chord(force, rim - hub, stiffness), slip, shape }
-}
-
-/// F_yp of an axle: the slip angle is the axle's, the peaks are its wheels', and with the friction ellipse what a wheel
-/// spends along it lacks across.
-#[inline(always)]
-fn across_force<T: Trig>(
-    car: &Car,
-    drive: &Drive,
-    peak: &[f64; 4],
-    along: &[Force; 4],
-    x: &Vector,
-    axle: usize,
-) -> Force {
-    let tyre = &car.lateral[axle];
-    let [cos, sin] = if axle == 0 { drive.steer } else { [1.0, 0.0] };
-    let ahead = cos * x[0] + sin * (x[1] + car.axle_x[axle] * x[2]);
-    let per_scale = 1.0 / larger(ahead.abs(), FLOOR_MPS);
-    let across = -dot(across_axis(car, drive, axle), x);
-    let slip = T::atan(across * per_scale);
-    let shape = tyre.shape::<T>(slip);
-    let (left, right) = (along[2 * axle].shape, along[2 * axle + 1].shape);
-    let peak = peak[2 * axle] * (1.0 - car.ellipse * left * left).sqrt()
-        + peak[2 * axle + 1] * (1.0 - car.ellipse * right * right).sqrt();
-    let peak = car.lateral_grip * peak;
-    let (force, stiffness) = (peak * shape, peak * tyre.b * tyre.c * per_scale);
-    Force { force, slope: chord(force, across, stiffness), slip, shape }
-}
-
-/// force/speed, which is the stiffness in the limit of no slip; never negative.
-#[inline(always)]
-fn chord(force: f64, speed: f64, stiffness: f64) -> f64 {
-    larger(choose(speed.abs() > 1e-7, force / speed, stiffness), 0.0)
+    let slips = slips(car, drive, x);
+    forces(car, peak, &slips, &Grip::new::<T>(car, &slips.slip))
 }
 
 /// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y \[N\].
 #[inline(always)]
 pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
     let wind = x[0] + drive.headwind;
-    let rolling = car.rolling * within_one(x[0] / FLOOR_MPS);
+    let rolling = car.rolling * within_one(x[0] * (1.0 / FLOOR_MPS));
     [car.mass * drive.gravity[0] - car.drag * wind * wind.abs() - rolling, car.mass * drive.gravity[1]]
 }
 
@@ -328,26 +366,17 @@ pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
 /// `free` is 1 for a wheel that turns, 0 for one that its brake holds.
 #[inline(always)]
 pub fn rates(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, torque: &[f64; 4], free: &[f64; 4]) -> Vector {
-    let mut sum = [0.0; 3];
-    for wheel in 0..4 {
-        let axis = along_axis(car, drive, wheel);
-        for k in 0..3 {
-            sum[k] += axis[k] * forces.along[wheel].force;
-        }
-    }
-    for axle in 0..2 {
-        let axis = across_axis(car, drive, axle);
-        for k in 0..3 {
-            sum[k] += axis[k] * forces.across[axle].force;
-        }
-    }
+    let [front, rear] = drive.axles(car);
+    let f = &forces.force;
+    let front = front.forces([f[0], f[1], f[4]]);
+    let rear = rear.forces([f[2], f[3], f[5]]);
     let road = road_forces(car, drive, x);
     let mut dx = [0.0; 7];
-    dx[0] = x[2] * x[1] + (sum[0] + road[0]) / car.mass;
-    dx[1] = -x[2] * x[0] + (sum[1] + road[1]) / car.mass;
-    dx[2] = sum[2] / car.yaw_inertia;
+    dx[0] = x[2] * x[1] + (front[0] + rear[0] + road[0]) * car.per_mass;
+    dx[1] = -x[2] * x[0] + (front[1] + rear[1] + road[1]) * car.per_mass;
+    dx[2] = (front[2] + rear[2]) * car.per_yaw_inertia;
     for wheel in 0..4 {
-        dx[3 + wheel] = free[wheel] * (torque[wheel] - car.radius * forces.along[wheel].force) / car.wheel_inertia;
+        dx[3 + wheel] = free[wheel] * (torque[wheel] - car.radius * f[wheel]) * car.per_wheel_inertia;
     }
     dx
 }
@@ -383,11 +412,11 @@ mod tests {
     #[test]
     fn law_slip_is_the_papers_two_formulas() {
         let car = Car::new(&(BODIES[0].build)());
-        let drive = Drive::new::<Libm>(&car, 0.0, 0.0, 0.0, 0.0, 0.0);
+        let drive = Drive::new(&car, 0.0, 0.0, [[0.0, 1.0]; 3]);
         for (v, rim) in [(10.0, 11.0), (10.0, 9.0), (10.0, 0.0), (0.5, 30.0), (10.0, -1.0), (-5.0, 4.0), (-5.0, -6.0)] {
             let w = rim / car.radius;
             let x = [v, 0.0, 0.0, w, w, w, w];
-            let got = tyre_forces::<Libm>(&car, &drive, &[1.0; 4], &x).along[2].slip;
+            let got = slips(&car, &drive, &x).slip[2];
             let propulsion = rim.abs() > f64::abs(v);
             let expected: f64 = (rim - v) / if propulsion { rim.abs() } else { f64::abs(v) };
             assert!((got - expected.clamp(-1.0, 1.0)).abs() < 1e-12, "{v} m/s, rim {rim} m/s: {got}, not {expected}");
@@ -398,11 +427,11 @@ mod tests {
     fn law_slip_angles_are_those_of_the_velocity_triangle() {
         let car = Car::new(&(BODIES[0].build)());
         for (vx, vy, yaw, steer) in [(10.0, 0.3, 0.2, 0.05), (25.0, -1.0, 0.4, -0.1), (3.0, 0.5, 0.5, 0.3)] {
-            let drive = Drive::new::<Libm>(&car, 0.0, steer, 0.0, 0.0, 0.0);
-            let forces = tyre_forces::<Libm>(&car, &drive, &[1.0; 4], &[vx, vy, yaw, 0.0, 0.0, 0.0, 0.0]);
+            let drive = Drive::new(&car, 0.0, 0.0, [steer, 0.0, 0.0].map(sine_and_cosine::<Libm>));
+            let [.., f, r] = slips(&car, &drive, &[vx, vy, yaw, 0.0, 0.0, 0.0, 0.0]).slip;
             let front = steer - libm::atan2(vy + car.axle_x[0] * yaw, vx);
             let rear = -libm::atan2(vy + car.axle_x[1] * yaw, vx);
-            assert!((forces.across[0].slip - front).abs() < 1e-12 && (forces.across[1].slip - rear).abs() < 1e-12);
+            assert!((libm::atan(f) - front).abs() < 1e-12 && (libm::atan(r) - rear).abs() < 1e-12);
         }
     }
 
@@ -411,7 +440,7 @@ mod tests {
         for car in every_car() {
             let mut even = car;
             even.friction = [1.0; 4];
-            let drive = Drive::new::<Libm>(&even, 0.0, 0.0, 0.0, 0.0, 0.0);
+            let drive = Drive::new(&even, 0.0, 0.0, [[0.0, 1.0]; 3]);
             let [fl, fr, rl, rr] = peaks(&even, &drive, [2.0, 1.0]);
             assert!(((fl + fr + rl + rr) / (even.mass * GRAVITY_MPS2) - 1.0).abs() < 1e-12);
             // Speeding up and turning left loads the rear and the right.

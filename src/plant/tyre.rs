@@ -19,8 +19,14 @@ impl Tyre {
     /// F/D = sin(C·atan(Bτ − E(Bτ − atan(Bτ)))) for slip ratio τ [-] or slip angle \[rad\].
     #[inline(always)]
     pub fn shape<T: Trig>(&self, slip: f64) -> f64 {
-        let bt = self.b * slip;
-        T::sin(self.c * T::atan(bt - self.e * (bt - T::atan(bt))))
+        T::sin(self.c * T::atan(Self::bend::<T>(self.b, self.e, slip)))
+    }
+
+    /// Bτ − E(Bτ − atan(Bτ)).
+    #[inline(always)]
+    pub fn bend<T: Trig>(b: f64, e: f64, slip: f64) -> f64 {
+        let bt = b * slip;
+        bt - e * (bt - T::atan(bt))
     }
 
     /// F/D, by the `libm` crate.

@@ -24,11 +24,13 @@ fn town() -> (PlantBlock, Inputs) {
 }
 
 fn advance(bencher: Bencher, set: InstructionSet, substep_s: f64) {
-    let plant = SevenDof::with_instruction_set(substep_s, set);
+    let plant = SevenDof::new(substep_s);
     let (start, inputs) = town();
     let mut block = start.clone();
-    bencher.counter(ItemsCount::new(LANES)).bench_local(|| {
-        plant.advance(black_box(&mut block), black_box(&inputs), &[1.0; LANES], 0.01);
+    set.during(|| {
+        bencher.counter(ItemsCount::new(LANES)).bench_local(|| {
+            plant.advance(black_box(&mut block), black_box(&inputs), &[1.0; LANES], 0.01);
+        });
     });
 }
 
