@@ -4,6 +4,7 @@
 //! what was measured and wanted, sends the torque through the actuators (limits, dead time, lag), and calls
 //! [`Controller::feedback`] with what became of it.
 
+mod calibrating;
 mod estimator;
 mod ideal;
 mod mfc;
@@ -35,6 +36,12 @@ pub static CONTROLLERS: &[Entry<Build>] = &[
         summary: "velocity-form PI(D) with feed-forward and anti-windup, the baseline",
         keys: pid::KEYS,
         build: pid::build,
+    },
+    Entry {
+        name: "calibrating",
+        summary: "model-free control that finds its torque scale and the actuators' delay on the drive and predicts over it",
+        keys: calibrating::KEYS,
+        build: calibrating::build,
     },
     Entry {
         name: "ideal",
@@ -87,9 +94,15 @@ pub trait Controller: Send {
     /// Takes note of what the actuators made of the last command.
     fn feedback(&mut self, actuation: &Actuation);
 
-    /// Starts a slot afresh: a new vehicle at `speed_mps`, or one that has come to rest (0). The estimator's window is
-    /// filled with this speed and zero input, α̂ is nominal.
+    /// Starts a slot afresh with a new vehicle at `speed_mps`. The estimator's window is filled with this speed and zero
+    /// input, α̂ is nominal.
     fn reset(&mut self, slot: usize, speed_mps: f64);
+
+    /// The vehicle of a slot has come to rest and is held. What a law has learned of the vehicle and its actuators may
+    /// stay; all else starts afresh as in [`Controller::reset`].
+    fn rest(&mut self, slot: usize) {
+        self.reset(slot, 0.0);
+    }
 
     /// α̂/α_nominal of a slot; 1 for laws without adaptation.
     fn alpha_ratio(&self, _slot: usize) -> f64 {

@@ -252,14 +252,19 @@ fn law_a_map_that_was_broken_off_goes_on_to_the_same_bytes() {
 fn the_map_is_drawn_for_every_delay() {
     let dir = folder();
     let results = run(&request("map", dir.path())).unwrap();
-    for name in ["map_rms_delay0_limit5.3", "map_overshoot_delay0.25_limit5.3", "map_tuned_adaptive_pid"] {
+    for name in [
+        "map_rms_delay0_limit5.3",
+        "map_overshoot_delay0.25_limit5.3",
+        "map_tuned_adaptive_pid",
+        "map_tuned_overshoot_calibrating_classic",
+    ] {
         assert!(dir.path().join("figures").join(format!("{name}.svg")).is_file(), "{name}");
     }
     let tuned = |controller: &str| {
         let mut rows = results.rows.iter().filter(|r| r.test.starts_with("map_tuned") && r.controller == controller);
         rows.any(|r| r.quantity == "error_rms" && r.value.is_some_and(|v| v > 0.0))
     };
-    assert!(["classic", "adaptive", "pid"].iter().all(|c| tuned(c)));
+    assert!(["classic", "adaptive", "calibrating", "pid"].iter().all(|c| tuned(c)));
 }
 
 /// A disturbance that is no step for the body cannot be told from none; a mass of one and a half can.
@@ -270,7 +275,7 @@ fn disturbances_act() {
     let rms = |suffix: &str, controller: &str| {
         results.get(&format!("disturb{suffix}"), "default", false, controller, "error_rms").unwrap().value.unwrap()
     };
-    for controller in ["classic", "adaptive", "pid"] {
+    for controller in ["classic", "adaptive", "calibrating", "pid"] {
         let undisturbed = rms("", controller);
         for suffix in ["_mass_plus_50", "_mass_minus_50", "_grade_plus_5", "_headwind_15", "_stiffness_minus_30"] {
             assert_ne!(rms(suffix, controller), undisturbed, "{controller} {suffix}");

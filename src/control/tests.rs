@@ -182,6 +182,23 @@ fn law_with_a_rectangular_derivative_classic_is_a_velocity_form_pi() {
 }
 
 #[test]
+fn law_calibrating_is_classic_where_nothing_has_to_be_calibrated() {
+    // At a constant reference nothing is learned, so the scale stays the guess; without delay nothing is on its way; and a
+    // window far below the period makes the observer the two-point formula.
+    let mut calibrating = build("calibrating", &[("window_s", number(0.001)), ("k_p", number(1.7))]);
+    let mut classic = build("classic", &[("estimator", text("difference")), ("k_p", number(1.7))]);
+    let mut random = Stream::new(6, "speed", "classic");
+    for controller in [&mut calibrating, &mut classic] {
+        (0..LANES).for_each(|slot| controller.reset(slot, 10.0));
+    }
+    for k in 0..1_000 {
+        let observation = observe(10.0 + 0.1 * random.normal(), 10.0, 0.0);
+        let (a, b) = (step(&mut *calibrating, &observation).0[0], step(&mut *classic, &observation).0[0]);
+        assert!((a - b).abs() < 1e-9 * (1.0 + a.abs()), "k {k}: {a} against {b}");
+    }
+}
+
+#[test]
 fn law_alpha_grows_by_error_over_input_while_torque_pushes_the_wrong_way() {
     let mut controller = build("adaptive", &[("k_p", number(0.8)), ("epsilon", number(1e-9))]);
     // Slowly rising speed, far too fast, estimator filled with an input that was driving hard: u and e both positive.
@@ -301,6 +318,7 @@ fn default_tuning_tracks_stop_and_go() {
     let bounds = [
         ("adaptive", [0.01, 0.06, 0.06, 0.06, 0.15, 0.35, 0.40, 0.50]),
         ("classic", [0.01, 0.06, 0.06, 0.06, 0.15, 0.35, 0.40, 0.50]),
+        ("calibrating", [0.01, 0.06, 0.06, 0.06, 0.15, 0.35, 0.15, 0.35]),
         ("pid", [0.03, 0.06, 0.40, 0.25, 0.15, 0.40, 0.50, 0.70]),
     ];
     for (name, bounds) in bounds {

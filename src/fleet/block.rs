@@ -474,7 +474,7 @@ impl Block {
             self.plant.rest(i);
             if demand.rest[i] > 0.0 {
                 self.inputs.torque_nm[i] = 0.0;
-                self.controller.reset(i, 0.0);
+                self.controller.rest(i);
                 self.actuators.reset(i);
                 self.held[i] = 1.0;
             }

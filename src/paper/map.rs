@@ -1,8 +1,8 @@
-//! Where does adaptation help? The classic, the adaptive and the PID law over torque scale, gains, control period, torque limit
-//! and delay, on a noisy recording (RMS error) and the first step (overshoot).
+//! Where does adaptation help? The classic, the adaptive, the calibrating and the PID law over torque scale, gains, control period,
+//! torque limit and delay, on a noisy recording (RMS error) and the first step (overshoot).
 //!
-//! **Equal tuning.** Each law has two values to choose: K_P and the torque scale b for the model-free laws, k_p and k_i for the PID. For all
-//! three the optimiser is the same exhaustive search over a logarithmic grid of 9 × 9, and the cost is the same RMS error. What the
+//! **Equal tuning.** Each law has two values to choose: K_P and the torque scale b for the paper's laws, K_P and T for the one that finds
+//! its scale itself, k_p and k_i for the PID. For all the optimiser is the same exhaustive search over a logarithmic grid of 9 × 9, and the cost is the same RMS error. What the
 //! best choice is worth when the torque scale is wrong by a factor is then read from the same table.
 //!
 //! A torque scale that is wrong by a factor is a vehicle whose nominal N·m per m/s² is, so that one block carries sixteen cases
@@ -26,8 +26,18 @@ use std::sync::Mutex;
 /// How long the step test lasts here \[s\].
 const STEP_S: f64 = 60.0;
 /// The laws on the map.
-pub const LAWS: [&str; 3] = ["classic", "adaptive", "pid"];
+pub const LAWS: [&str; 4] = ["classic", "adaptive", "calibrating", "pid"];
 const HEADER: &str = "controller,period_s,gain_1,gain_2,scale,limit_mps2,delay_s,error_rms,overshoot_1";
+
+/// The key of a law's second value; none where it is the torque scale itself. The torque scale of a law with two keys is
+/// right, but for the factors.
+pub fn second_key(law: &str) -> Option<&'static str> {
+    match law {
+        "pid" => Some("k_i"),
+        "calibrating" => Some("window_s"),
+        _ => None,
+    }
+}
 
 /// The axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,9 +48,11 @@ pub struct Grid {
     pub gains: Vec<f64>,
     /// k_i of the PID [1/s²].
     pub integral_gains: Vec<f64>,
-    /// Torque scales b of the model-free laws [m/s² per u].
+    /// T of the calibrating law \[s\].
+    pub windows_s: Vec<f64>,
+    /// Torque scales b of the paper's laws [m/s² per u].
     pub scales: Vec<f64>,
-    /// Factors by which the PID's torque scale is wrong.
+    /// Factors by which the torque scale of the others is wrong.
     pub factors: Vec<f64>,
     /// Torque limits as accelerations [m/s²].
     pub limits_mps2: Vec<f64>,
@@ -55,6 +67,7 @@ impl Grid {
             periods_s: vec![0.001, 0.002, 0.005, 0.01, 0.02],
             gains: powers(0.25, 9),
             integral_gains: powers(0.0625, 9),
+            windows_s: vec![0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8, 1.12, 1.6],
             scales: powers(0.0125, 9),
             factors: powers(0.25, 5),
             limits_mps2: vec![3.0, 5.3],
@@ -68,11 +81,26 @@ impl Grid {
             periods_s: vec![0.01, 0.02],
             gains: vec![1.0, 4.0],
             integral_gains: vec![0.5, 1.0],
+            windows_s: vec![0.2, 0.5],
             scales: vec![0.1, 0.4],
             factors: vec![0.5, 1.0],
             limits_mps2: vec![5.3],
             delays_s: vec![0.0, 0.25],
         }
+    }
+
+    /// The second values of a law.
+    fn second_gains(&self, law: &str) -> &[f64] {
+        match second_key(law) {
+            Some("k_i") => &self.integral_gains,
+            Some(_) => &self.windows_s,
+            None => &[0.0],
+        }
+    }
+
+    /// The torque scales that one job of a law tries.
+    fn scales_of(&self, law: &str) -> &[f64] {
+        if second_key(law).is_some() { &self.factors } else { &self.scales }
     }
 }
 
@@ -87,7 +115,7 @@ struct Job {
     controller: &'static str,
     period_s: f64,
     gain_1: f64,
-    /// The PID's k_i; 0 for the others, whose second value is the scale.
+    /// The value of [`second_key`], 0 where it is the scale.
     gain_2: f64,
 }
 
@@ -100,9 +128,9 @@ pub struct Cell {
     pub period_s: f64,
     /// K_P or k_p.
     pub gain_1: f64,
-    /// k_i, 0 for the model-free laws.
+    /// The value of [`second_key`], 0 where it is the scale.
     pub gain_2: f64,
-    /// b of the model-free laws, the factor of the PID.
+    /// b of the paper's laws, the factor of the others.
     pub scale: f64,
     /// Torque limit [m/s²].
     pub limit_mps2: f64,
@@ -148,11 +176,10 @@ fn jobs(grid: &Grid) -> Vec<Job> {
     let mut jobs = Vec::new();
     for &period_s in &grid.periods_s {
         for &gain_1 in &grid.gains {
-            for controller in ["classic", "adaptive"] {
-                jobs.push(Job { controller, period_s, gain_1, gain_2: 0.0 });
-            }
-            for &gain_2 in &grid.integral_gains {
-                jobs.push(Job { controller: "pid", period_s, gain_1, gain_2 });
+            for controller in LAWS {
+                for &gain_2 in grid.second_gains(controller) {
+                    jobs.push(Job { controller, period_s, gain_1, gain_2 });
+                }
             }
         }
     }
@@ -166,9 +193,8 @@ impl Job {
 
     /// All cases of this controller, side by side.
     fn carry_out(&self, lab: &Lab, preset: &Preset, grid: &Grid) -> Result<Vec<Cell>, PaperError> {
-        let scales = if self.controller == "pid" { &grid.factors } else { &grid.scales };
         let mut cells = Vec::new();
-        for &scale in scales {
+        for &scale in grid.scales_of(self.controller) {
             for &limit_mps2 in &grid.limits_mps2 {
                 for &delay_s in &grid.delays_s {
                     let Self { controller, period_s, gain_1, gain_2 } = *self;
@@ -200,8 +226,8 @@ impl Job {
             number("actuator.delay_s", longest_s),
             number("controller.k_p", self.gain_1),
         ];
-        if self.controller == "pid" {
-            settings.push(number("controller.k_i", self.gain_2));
+        if let Some(key) = second_key(self.controller) {
+            settings.push(number(&format!("controller.{key}"), self.gain_2));
         } else {
             settings.push(number("controller.accel_per_unit_mps2", 1.0));
         }
@@ -304,10 +330,7 @@ fn finished(text: &str, grid: &Grid) -> Vec<Cell> {
     for cell in &cells {
         *counts.entry(cell.job()).or_insert(0) += 1;
     }
-    let whole = |cell: &Cell| {
-        let scales = if cell.controller == "pid" { &grid.factors } else { &grid.scales };
-        scales.len() * grid.limits_mps2.len() * grid.delays_s.len()
-    };
+    let whole = |cell: &Cell| grid.scales_of(cell.controller).len() * grid.limits_mps2.len() * grid.delays_s.len();
     cells.retain(|cell| counts[&cell.job()] == whole(cell));
     cells
 }

@@ -3,7 +3,7 @@
 use super::Finding;
 use super::figure::Figure;
 use super::heat::{Heat, Panel};
-use super::map::{Cell, Grid, LAWS};
+use super::map::{Cell, Grid, LAWS, second_key};
 use super::results::{Row, Rows};
 
 /// The finished map.
@@ -24,13 +24,23 @@ const VALUES: [Value; 2] = [
     ("overshoot", "overshoot of the first step (+1 %)", |c| c.overshoot.map(|o| o + 1.0)),
 ];
 
-/// The best choice of a law's two values under one condition, and its errors when the torque scale is wrong.
+/// Laws that are compared at their best gains.
+const PAIRS: [(&str, &str); 6] = [
+    ("adaptive", "classic"),
+    ("adaptive", "pid"),
+    ("classic", "pid"),
+    ("calibrating", "classic"),
+    ("calibrating", "adaptive"),
+    ("calibrating", "pid"),
+];
+
+/// The best choice of a law's two values under one condition, and what it is worth when the torque scale is wrong.
 #[derive(Debug, Clone, PartialEq)]
 struct Tuned {
     law: &'static str,
     best: Cell,
-    /// RMS error by factor; none where it diverges or the table ends.
-    errors: Vec<Option<f64>>,
+    /// The same gains by factor; none where the table ends.
+    wrong: Vec<Option<Cell>>,
 }
 
 impl Map {
@@ -48,8 +58,8 @@ impl Map {
         }
         finding.rows.extend(self.shares(preset));
         let tuned = self.tuned();
-        for (over, under) in [("adaptive", "classic"), ("adaptive", "pid"), ("classic", "pid")] {
-            finding.figures.push(self.robustness(&tuned, over, under));
+        for value in VALUES {
+            finding.figures.extend(PAIRS.map(|pair| self.robustness(&tuned, value, pair)));
         }
         for (condition, laws) in &tuned {
             for law in laws {
@@ -57,7 +67,11 @@ impl Map {
                 let rows = Rows { test: &test, preset, controller: law.law };
                 let values = [
                     ("gain_1", "1/s", Some(law.best.gain_1)),
-                    ("gain_2_or_scale", "1", Some(if law.law == "pid" { law.best.gain_2 } else { law.best.scale })),
+                    (
+                        "gain_2_or_scale",
+                        "1",
+                        Some(if second_key(law.law).is_some() { law.best.gain_2 } else { law.best.scale }),
+                    ),
                     ("error_rms", "m/s", law.best.error_rms),
                 ];
                 finding.rows.extend(values.map(|(quantity, unit, value)| noisy(&rows, quantity, unit, value)));
@@ -142,37 +156,39 @@ impl Map {
     fn tune(&self, law: &'static str, period_s: f64, limit_mps2: f64, delay_s: f64) -> Option<Tuned> {
         let here = |c: &&Cell| {
             (c.controller, c.period_s, c.limit_mps2, c.delay_s) == (law, period_s, limit_mps2, delay_s)
-                && (law != "pid" || c.scale == 1.0)
+                && (second_key(law).is_none() || c.scale == 1.0)
         };
         let finished = self.cells.iter().filter(here).filter(|c| c.error_rms.is_some());
         let best = *finished.min_by(|a, b| a.error_rms.partial_cmp(&b.error_rms).expect("errors are numbers"))?;
-        let error = |factor: &f64| {
-            self.at(law, [period_s, best.gain_1, best.gain_2, best.scale * factor, limit_mps2, delay_s])?.error_rms
+        let wrong = |factor: &f64| {
+            self.at(law, [period_s, best.gain_1, best.gain_2, best.scale * factor, limit_mps2, delay_s]).copied()
         };
-        Some(Tuned { law, best, errors: self.grid.factors.iter().map(error).collect() })
+        Some(Tuned { law, best, wrong: self.grid.factors.iter().map(wrong).collect() })
     }
 
     /// Ratio of two tuned laws when the torque scale is wrong.
-    fn robustness(&self, tuned: &[(String, Vec<Tuned>)], over: &str, under: &str) -> Figure {
+    fn robustness(&self, tuned: &[(String, Vec<Tuned>)], value: Value, pair: (&str, &str)) -> Figure {
+        let ((name, title, of), (over, under)) = (value, pair);
         let column = |laws: &[Tuned], row: usize| {
-            let error = |name: &str| laws.iter().find(|t| t.law == name)?.errors[row];
-            Some(error(over)? / error(under)?)
+            let worth = |name: &str| of(laws.iter().find(|t| t.law == name)?.wrong[row].as_ref()?);
+            Some(worth(over)? / worth(under)?)
         };
         let rows = 0..self.grid.factors.len();
         let panel = Panel {
-            title: format!("{over} / {under}, each with its best gains"),
+            title: format!("{over} / {under}, each with the gains of its least RMS error"),
             columns: tuned.iter().map(|(name, _)| name.replace("limit ", "").replace("delay ", "")).collect(),
             rows: self.grid.factors.iter().map(|f| format!("x {f}")).collect(),
             ratios: rows.map(|row| tuned.iter().map(|(_, laws)| column(laws, row)).collect()).collect(),
             mark: None,
         };
         let heat = Heat {
-            title: format!("RMS error when the torque scale is wrong by a factor, {over}/{under}"),
+            title: format!("{title} when the torque scale is wrong by a factor, {over}/{under}"),
             x: "control period, torque limit [m/s2], delay [s]",
             y: "factor",
             panels: vec![panel],
         };
-        Figure::heat(&format!("map_tuned_{over}_{under}"), &heat)
+        let prefix = if name == "rms" { String::new() } else { format!("{name}_") };
+        Figure::heat(&format!("map_tuned_{prefix}{over}_{under}"), &heat)
     }
 }
 

@@ -15,7 +15,7 @@ use sumo_mfc::plant::{Actuators, BODIES, InstructionSet, SevenDof};
 use sumo_mfc::registry::find;
 use sumo_mfc::stats::{Sample, StatsBlock};
 
-const LAWS: [&str; 4] = ["adaptive", "classic", "pid", "ideal"];
+const LAWS: [&str; 5] = ["adaptive", "classic", "calibrating", "pid", "ideal"];
 /// Control periods of a SUMO step of 0.1 s.
 const PERIODS: u32 = 10;
 
