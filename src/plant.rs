@@ -17,7 +17,6 @@ pub mod trig;
 pub mod tyre;
 
 use crate::keys::{Key, Kind, Values};
-pub use crate::lanes::InstructionSet;
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::registry::Entry;
 pub use actuator::{Actuated, Actuators};

@@ -1,10 +1,10 @@
 //! Laws, oracles and limits of the plant.
 
 use sumo_mfc::keys::{Value, Values};
-use sumo_mfc::lanes::{Flags, LANES};
+use sumo_mfc::lanes::{Flags, InstructionSet, LANES};
 use sumo_mfc::plant::body::GRAVITY_MPS2;
 use sumo_mfc::plant::oracle::Reference;
-use sumo_mfc::plant::{BODIES, Body, Inputs, InstructionSet, PLANTS, Plant, PlantBlock, SevenDof, State};
+use sumo_mfc::plant::{BODIES, Body, Inputs, PLANTS, Plant, PlantBlock, SevenDof, State};
 use sumo_mfc::random::Stream;
 
 const PERIOD_S: f64 = 0.01;

@@ -45,8 +45,7 @@
 
 use super::{Actuation, Command, Controller, Observation};
 use crate::keys::{Key, Kind, Values};
-use crate::lanes::{LANES, Lanes};
-use multiversion::multiversion;
+use crate::lanes::{LANES, Lanes, vectorised};
 
 pub(super) const KEYS: &[Key] = &[
     Key {
@@ -212,75 +211,79 @@ impl Controller for Calibrating {
     }
 }
 
-/// The observer's correction by the measured speed.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn observe(law: &Law, observed: &Observation, m: &mut Memory) {
-    for i in 0..LANES {
-        let innovation = observed.measured_mps[i] - m.y_mps[i];
-        m.y_mps[i] += law.speed_gain * innovation;
-        m.d_mps2[i] += law.rate_gain_per_s * innovation;
-        let innovation = -m.from_v_mps[i];
-        m.from_v_mps[i] += law.speed_gain * innovation;
-        m.from_v_mps2[i] += law.rate_gain_per_s * innovation;
+vectorised! {
+    /// The observer's correction by the measured speed.
+    fn observe(law: &Law, observed: &Observation, m: &mut Memory) {
+        for i in 0..LANES {
+            let innovation = observed.measured_mps[i] - m.y_mps[i];
+            m.y_mps[i] += law.speed_gain * innovation;
+            m.d_mps2[i] += law.rate_gain_per_s * innovation;
+            let innovation = -m.from_v_mps[i];
+            m.from_v_mps[i] += law.speed_gain * innovation;
+            m.from_v_mps2[i] += law.rate_gain_per_s * innovation;
+        }
     }
 }
 
-/// The moments and ρ̂.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn calibrate(law: &Law, observed: &Observation, m: &mut Memory) {
-    for i in 0..LANES {
-        m.reference_mps[i] += law.smoothing * (observed.reference_mps[i] - m.reference_mps[i]);
-        let z = (observed.reference_mps[i] - m.reference_mps[i]) / SMOOTHING_S;
-        let (d, w) = (m.d_mps2[i], -m.from_v_mps2[i]);
-        let share = law.forgetting * z * z / (z * z + GATE_MPS2 * GATE_MPS2);
-        m.z[i] += share * (z - m.z[i]);
-        m.d[i] += share * (d - m.d[i]);
-        m.w[i] += share * (w - m.w[i]);
-        m.zd[i] += share * (z * d - m.zd[i]);
-        m.zw[i] += share * (z * w - m.zw[i]);
-        let c_d = m.zd[i] - m.z[i] * m.d[i];
-        let c_w = m.zw[i] - m.z[i] * m.w[i];
-        let doubt = DOUBT_MPS4 * DOUBT_MPS4;
-        m.scale[i] = ((c_d * c_w + doubt) / (c_w * c_w + doubt)).clamp(SCALE[0], SCALE[1]);
+vectorised! {
+    /// The moments and ρ̂.
+    fn calibrate(law: &Law, observed: &Observation, m: &mut Memory) {
+        for i in 0..LANES {
+            m.reference_mps[i] += law.smoothing * (observed.reference_mps[i] - m.reference_mps[i]);
+            let z = (observed.reference_mps[i] - m.reference_mps[i]) / SMOOTHING_S;
+            let (d, w) = (m.d_mps2[i], -m.from_v_mps2[i]);
+            let share = law.forgetting * z * z / (z * z + GATE_MPS2 * GATE_MPS2);
+            m.z[i] += share * (z - m.z[i]);
+            m.d[i] += share * (d - m.d[i]);
+            m.w[i] += share * (w - m.w[i]);
+            m.zd[i] += share * (z * d - m.zd[i]);
+            m.zw[i] += share * (z * w - m.zw[i]);
+            let c_d = m.zd[i] - m.z[i] * m.d[i];
+            let c_w = m.zw[i] - m.z[i] * m.w[i];
+            let doubt = DOUBT_MPS4 * DOUBT_MPS4;
+            m.scale[i] = ((c_d * c_w + doubt) / (c_w * c_w + doubt)).clamp(SCALE[0], SCALE[1]);
+        }
     }
 }
 
-/// The law, on the error that is to be when the torque comes to act.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn act(law: &Law, observed: &Observation, m: &mut Memory, command: &mut Command) {
-    for i in 0..LANES {
-        let rate = observed.reference_rate_mps2[i];
-        let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
-        let scale = m.scale[i];
-        let y_hat = m.y_mps[i] + scale * m.from_v_mps[i];
-        let f_hat = m.d_mps2[i] + scale * m.from_v_mps2[i];
-        m.f_hat_mps2[i] = f_hat;
-        let wanted = rate - f_hat; // the input that would keep the error as it is
-        let e = y_hat - observed.reference_mps[i];
-        let e_ahead = e + scale * m.pending_mps[i] - m.delay_s[i] * wanted;
-        let u = (wanted - law.k_p * e_ahead) / scale;
+vectorised! {
+    /// The law, on the error that is to be when the torque comes to act.
+    fn act(law: &Law, observed: &Observation, m: &mut Memory, command: &mut Command) {
+        for i in 0..LANES {
+            let rate = observed.reference_rate_mps2[i];
+            let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
+            let scale = m.scale[i];
+            let y_hat = m.y_mps[i] + scale * m.from_v_mps[i];
+            let f_hat = m.d_mps2[i] + scale * m.from_v_mps2[i];
+            m.f_hat_mps2[i] = f_hat;
+            let wanted = rate - f_hat; // the input that would keep the error as it is
+            let e = y_hat - observed.reference_mps[i];
+            let e_ahead = e + scale * m.pending_mps[i] - m.delay_s[i] * wanted;
+            let u = (wanted - law.k_p * e_ahead) / scale;
 
-        let torque_per_u = law.accel_per_unit_mps2 * observed.nominal_nm_per_mps2[i];
-        command.torque_nm[i] = u * torque_per_u;
-        command.gain_mps2_per_nm[i] = if torque_per_u > 0.0 { 1.0 / torque_per_u } else { 0.0 };
+            let torque_per_u = law.accel_per_unit_mps2 * observed.nominal_nm_per_mps2[i];
+            command.torque_nm[i] = u * torque_per_u;
+            command.gain_mps2_per_nm[i] = if torque_per_u > 0.0 { 1.0 / torque_per_u } else { 0.0 };
+        }
     }
 }
 
-/// The observer's prediction with the torque that acts, and the account of the torque on its way.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq", "x86_64+avx2+fma"))]
-fn predict(law: &Law, actuation: &Actuation, m: &mut Memory) {
-    for i in 0..LANES {
-        let sent = actuation.saturated_mps2[i].clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
-        let acts = actuation.applied_mps2[i].clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
-        m.y_mps[i] += law.period_s * m.d_mps2[i];
-        m.from_v_mps[i] += law.period_s * (m.from_v_mps2[i] + acts);
-        m.pending_mps[i] += law.period_s * (sent - acts);
-        m.pending_mean_mps[i] += law.smoothing * (m.pending_mps[i] - m.pending_mean_mps[i]);
-        m.on_its_way_mps2[i] += law.smoothing * (0.5 * (sent + acts) - m.on_its_way_mps2[i]);
-        let v = m.on_its_way_mps2[i];
-        let missed = m.pending_mean_mps[i] - m.delay_s[i] * v;
-        let delay = m.delay_s[i] + law.smoothing * missed * v / (v * v + GATE_MPS2 * GATE_MPS2);
-        m.delay_s[i] = delay.clamp(0.0, DELAY_MAX_S);
+vectorised! {
+    /// The observer's prediction with the torque that acts, and the account of the torque on its way.
+    fn predict(law: &Law, actuation: &Actuation, m: &mut Memory) {
+        for i in 0..LANES {
+            let sent = actuation.saturated_mps2[i].clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
+            let acts = actuation.applied_mps2[i].clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
+            m.y_mps[i] += law.period_s * m.d_mps2[i];
+            m.from_v_mps[i] += law.period_s * (m.from_v_mps2[i] + acts);
+            m.pending_mps[i] += law.period_s * (sent - acts);
+            m.pending_mean_mps[i] += law.smoothing * (m.pending_mps[i] - m.pending_mean_mps[i]);
+            m.on_its_way_mps2[i] += law.smoothing * (0.5 * (sent + acts) - m.on_its_way_mps2[i]);
+            let v = m.on_its_way_mps2[i];
+            let missed = m.pending_mean_mps[i] - m.delay_s[i] * v;
+            let delay = m.delay_s[i] + law.smoothing * missed * v / (v * v + GATE_MPS2 * GATE_MPS2);
+            m.delay_s[i] = delay.clamp(0.0, DELAY_MAX_S);
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use super::loops::{Workspace, advance_lanes};
 use super::seven_dof::{Car, Drive, sine_and_cosine};
 use super::trig::Libm;
 use super::{Inputs, Plant, PlantBlock};
-use crate::lanes::{Flags, InstructionSet, LANES, vectorised};
+use crate::lanes::{Flags, LANES, vectorised};
 
 /// The 7-DoF model of [`super::seven_dof`], integrated by [`super::integrator`].
 ///
@@ -24,18 +24,12 @@ use crate::lanes::{Flags, InstructionSet, LANES, vectorised};
 #[derive(Debug, Clone, Copy)]
 pub struct SevenDof {
     substep_s: f64,
-    set: Option<InstructionSet>,
 }
 
 impl SevenDof {
     /// With substeps of at most `substep_s`.
     pub fn new(substep_s: f64) -> Self {
-        Self { substep_s, set: None }
-    }
-
-    /// With bodies that use this instruction set, whatever is in use otherwise.
-    pub fn with_instruction_set(substep_s: f64, set: InstructionSet) -> Self {
-        Self { substep_s, set: Some(set) }
+        Self { substep_s }
     }
 
     /// The same by the `libm` crate, one slot at a time: the oracle of the vector code.
@@ -74,7 +68,7 @@ impl Plant for SevenDof {
                 advance(work, block, inputs, moving, h);
             }
         };
-        self.set.unwrap_or_else(InstructionSet::in_use).during(|| WORKSPACE.with_borrow_mut(work));
+        WORKSPACE.with_borrow_mut(work);
     }
 }
 

@@ -9,9 +9,9 @@ use sumo_mfc::fleet::block::{Bound, Follow};
 use sumo_mfc::fleet::steering::Steering;
 use sumo_mfc::fleet::{ActuatorSetup, Clockwork, Fleet, GroupSetup, Slot, VehicleSetup};
 use sumo_mfc::keys::Values;
-use sumo_mfc::lanes::LANES;
+use sumo_mfc::lanes::{InstructionSet, LANES};
 use sumo_mfc::plant::trig::Polynomial;
-use sumo_mfc::plant::{Actuators, BODIES, InstructionSet, SevenDof};
+use sumo_mfc::plant::{Actuators, BODIES, SevenDof};
 use sumo_mfc::registry::find;
 use sumo_mfc::stats::{Sample, StatsBlock};
 

@@ -3,8 +3,8 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use sumo_mfc::lanes::LANES;
-use sumo_mfc::plant::{Inputs, InstructionSet, Plant, PlantBlock, SevenDof, State};
+use sumo_mfc::lanes::{InstructionSet, LANES};
+use sumo_mfc::plant::{Inputs, Plant, PlantBlock, SevenDof, State};
 
 fn main() {
     divan::main();

@@ -1,12 +1,14 @@
 //! The loops that are compared, each with a SUMO of its own.
 
 use super::bare::Bare;
+use std::future::{Future, poll_fn};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
+use std::pin::pin;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 use sumo_mfc::cosim::World;
-use sumo_mfc::plant::{InstructionSet, SevenDof};
+use sumo_mfc::lanes::InstructionSet;
 use sumo_mfc::run;
 use sumo_mfc::scenario::{Catalog, Override, Request, Scenario};
 use sumo_mfc::traci::{Batch, Client, SumoBinary, SumoProcess};
@@ -22,7 +24,7 @@ pub enum Kind {
     Ideal,
     /// Ours with bodies and the adaptive controller.
     Adaptive,
-    /// The same without AVX-512 in the bodies.
+    /// The same without AVX-512.
     AdaptiveAvx2,
     /// The bare exchange: speeds sent back, speed and angle read by subscription.
     BareSubscriptions,
@@ -140,8 +142,10 @@ impl Loop {
                 }
             }
             Driver::Ours(world) => {
+                let avx2 = self.kind == Kind::AdaptiveAvx2;
+                let set = if avx2 { InstructionSet::Avx2 } else { InstructionSet::in_use() };
                 for _ in 0..count {
-                    world.step().await.expect("a step");
+                    with(set, world.step()).await.expect("a step");
                     // Whoever runs a world takes these in every step.
                     world.state.finished.clear();
                     world.state.admitted.clear();
@@ -183,6 +187,12 @@ impl Loop {
     }
 }
 
+/// Work that computes with one instruction set.
+async fn with<T>(set: InstructionSet, work: impl Future<Output = T>) -> T {
+    let mut work = pin!(work);
+    poll_fn(|context| set.during(|| work.as_mut().poll(context))).await
+}
+
 /// Our loop with every car equipped.
 async fn ours(kind: Kind, client: Client, config: &Path, step_s: f64) -> World {
     let controller = if kind == Kind::Ideal { "ideal" } else { "adaptive" };
@@ -190,10 +200,7 @@ async fn ours(kind: Kind, client: Client, config: &Path, step_s: f64) -> World {
         .with(Override::text("--controller", "controller.name", controller))
         .with(Override::literal("--step-length", "sumo.step_length_s", step_s));
     let scenario = Scenario::load(&request, &Catalog::installed()).expect("a scenario");
-    let mut setup = run::world(&scenario).expect("a world");
-    if kind == Kind::AdaptiveAvx2 {
-        setup.clockwork.plant = Box::new(SevenDof::with_instruction_set(0.01, InstructionSet::Avx2));
-    }
+    let setup = run::world(&scenario).expect("a world");
     World::join(client, setup).await.expect("a world that joins")
 }
 
