@@ -23,7 +23,7 @@ pub fn free_port() -> u16 {
 }
 
 /// Starts SUMO as somebody else would: 1 s steps, ballistic, with its own outputs.
-pub fn somebodys_sumo(version: &str, config: &Path, port: u16, clients: &str) -> Running {
+pub fn somebodys_sumo(version: &str, config: &Path, trips: &Path, port: u16, clients: &str) -> Running {
     let home = sumo_home(version);
     let mut command = Command::new(home.join("bin/sumo"));
     command.env("SUMO_HOME", &home).arg("-c").arg(config).args([
@@ -34,7 +34,7 @@ pub fn somebodys_sumo(version: &str, config: &Path, port: u16, clients: &str) ->
         "23423",
     ]);
     command.args(["--step-length", "0.5", "--step-method.ballistic", "true", "--remote-port", &port.to_string()]);
-    command.arg("--tripinfo-output").arg(config.with_file_name("theirs.xml"));
+    command.arg("--tripinfo-output").arg(trips);
     Running::start(command)
 }
 
@@ -44,7 +44,7 @@ fn a_sumo_that_runs_already_can_be_joined() {
         let folder = tempfile::tempdir().unwrap();
         let config = straight_road(folder.path(), &demand());
         let port = free_port();
-        let sumo = somebodys_sumo(version, &config, port, "1");
+        let sumo = somebodys_sumo(version, &config, &config.with_file_name("theirs.xml"), port, "1");
         let dir = folder.path().join("result");
         let address = format!("127.0.0.1:{port}");
         let ended = Running::start(run_command(version, &config, &dir, &["--connect", &address])).wait();
@@ -125,7 +125,7 @@ async fn a_leading_body_hands_its_vehicle_back_as_it_was() {
         let folder = tempfile::tempdir().unwrap();
         let config = straight_road(folder.path(), &demand());
         let port = free_port();
-        let sumo = somebodys_sumo(version, &config, port, "2");
+        let sumo = somebodys_sumo(version, &config, &config.with_file_name("theirs.xml"), port, "2");
         let dir = folder.path().join("result");
         let address = format!("127.0.0.1:{port}");
         let args = ["--connect", &address, "--target", "limit", "--end", "20"];

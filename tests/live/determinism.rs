@@ -48,7 +48,8 @@ fn law_how_sumo_is_asked_and_told_changes_nothing() {
     let args = ["--end", "240", "--step-length", "0.5", "--trace", "all", "--trace-period", "5"];
     let first = run(NEW, &own("city"), &args);
     let port = free_port();
-    let sumo = somebodys_sumo(NEW, &own("city"), port, "1");
+    let folder = tempfile::tempdir().unwrap();
+    let sumo = somebodys_sumo(NEW, &own("city"), &folder.path().join("trips.xml"), port, "1");
     let shared = run(NEW, &own("city"), &[&args[..], &["--connect", &format!("127.0.0.1:{port}")]].concat());
     assert_eq!(sumo.wait().code, Some(0));
     assert!(first.bytes("trace.csv") == shared.bytes("trace.csv"), "trace.csv");
