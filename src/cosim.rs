@@ -255,6 +255,7 @@ impl World {
             if at_once {
                 self.hear(place).await?;
             }
+            self.state.settle_lost();
             self.state.advance_followers(convoy::blocks(place), &self.convoys[place].members, follow);
             self.tell(place).await?;
         }
@@ -302,7 +303,6 @@ impl World {
             let reply = self.client.receive().await?;
             self.state.see_answers(&convoy.members, &reply);
         }
-        self.state.settle_lost();
         Ok(())
     }
 

@@ -30,6 +30,20 @@ fn teleports_keep_the_vehicle_and_its_record() {
     }
 }
 
+/// In a step with a teleport all is heard before anything drives; those that arrive in it are no less arrived.
+#[test]
+fn arrivals_beside_teleports_are_arrivals() {
+    for version in [NEW, OLD] {
+        let result = run(version, &own("city"), &["--end", "300", "--", "--time-to-teleport", "5"]);
+        assert!(result.sumo("teleports") > 100.0, "SUMO {version}: {} teleports", result.sumo("teleports"));
+        let rows = result.vehicles();
+        let reached = rows.iter().filter(|row| arrived(row)).count();
+        assert!(reached > 50, "SUMO {version}: {reached} arrived");
+        assert_eq!(result.sumo("arrived"), reached as f64, "SUMO {version}");
+        assert_eq!(rows.iter().filter(|row| row["reason"] == "removed").count(), 0, "SUMO {version}");
+    }
+}
+
 #[test]
 fn stops_and_parking_are_kept_to() {
     let ways = ["", r#" parking="true""#];
