@@ -33,8 +33,8 @@ use std::path::{Path, PathBuf};
 
 /// The controllers that the paper compares.
 pub const CONTROLLERS: [&str; 2] = ["classic", "adaptive"];
-/// Seeds of the noise. With the vehicle without noise they fill two blocks.
-pub const SEEDS: usize = 31;
+/// Seeds of the noise.
+pub const SEEDS: usize = 20;
 
 /// Runs a test under one preset.
 pub type Run = fn(&Lab, &Preset) -> Result<Finding, PaperError>;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use sumo_mfc::paper::Lab;
 use sumo_mfc::paper::library::Library;
 use sumo_mfc::paper::step;
-use sumo_mfc::paper::world::{End, World};
+use sumo_mfc::paper::world::World;
 use sumo_mfc::random::Stream;
 use sumo_mfc::scenario::{Override, Scenario};
 
@@ -116,10 +116,7 @@ impl Choice {
         {
             let scenario = self.scenario(lab, test, controller, recording)?;
             let world = World::new(&scenario).ok()?;
-            let vehicles = world.vehicles(1, world.profile.at(0.0, 0.0, 0.0).0).ok()?;
-            let length = world.profile.length()?;
-            let end = if world.profile.is_by_time() { End::Time(length) } else { End::Distance(length) };
-            let outcomes = world.drive(vehicles, end, |_, _, _, _| {}).ok()?;
+            let outcomes = world.drive(&world.whole_trips(1).ok()?, |_, _, _, _| {}).ok()?;
             numbers.push(outcomes[1].stats.error_rms?);
         }
         let score = numbers.iter().zip(WANTED).map(|(ours, (value, within))| ((ours - value).abs() / within).min(6.0));

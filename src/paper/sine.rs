@@ -50,7 +50,7 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
         let mut exact = Vec::new();
         let mut courses = vec![Course::default(); SEEDS + 1];
         let outcomes =
-            world.drive(world.vehicles(SEEDS, 0.0)?, End::Distance(LENGTH_M), |vehicle, block, lane, time_s| {
+            world.drive(&world.trips(SEEDS, 0.0, End::Distance(LENGTH_M))?, |vehicle, block, lane, time_s| {
                 let moment = Moment::of(block, lane, time_s);
                 courses[vehicle].see(&moment);
                 if vehicle == 0 {

@@ -85,7 +85,7 @@ pub fn drive(world: &World, seeds: usize) -> Result<Drive, PaperError> {
     let mut exact = Vec::new();
     let mut paths = vec![Vec::new(); seeds + 1];
     let mut nominal = vec![0_u32; seeds + 1];
-    world.drive(world.vehicles(seeds, 0.0)?, End::Distance(LENGTH_M), |vehicle, block, lane, time_s| {
+    world.drive(&world.trips(seeds, 0.0, End::Distance(LENGTH_M))?, |vehicle, block, lane, time_s| {
         let moment = Moment::of(block, lane, time_s);
         paths[vehicle].push((moment.distance_m, moment.speed_mps));
         nominal[vehicle] += u32::from(moment.alpha_ratio == 1.0);

@@ -1,6 +1,7 @@
 //! Speed profiles: linear between the points of a file, steps, a sine, each over position or over time.
 
 use super::ReferenceError;
+use super::index::Index;
 use super::recording::{self, RecordingOptions, Track};
 use crate::keys::{Key, Kind, Values};
 use std::f64::consts::TAU;
@@ -129,7 +130,7 @@ pub struct Profile {
 #[derive(Debug, Clone, PartialEq)]
 enum Shape {
     /// Straight lines between points. Two points at the same place make a jump.
-    Lines(Vec<Point>),
+    Lines(Vec<Point>, Index),
     /// Each speed holds from its place on.
     Steps(Vec<Point>),
     Sine {
@@ -160,7 +161,7 @@ impl Profile {
     /// [`ReferenceError::Read`] or [`ReferenceError::Content`] with file, line, column, what was found and what is wanted.
     pub fn from_file(path: &Path, options: &RecordingOptions) -> Result<Self, ReferenceError> {
         let (by, points, track) = recording::read(path, options)?;
-        Ok(Self { by, shape: Shape::Lines(points), track })
+        Ok(Self { by, shape: lines(points), track })
     }
 
     /// Steps: `speeds_mps[i]` holds from `at[i]` (m or s) on, the first one before it as well.
@@ -209,14 +210,14 @@ impl Profile {
             Axis::Time => (time_s, 1.0),
         };
         let (speed, slope) = match &self.shape {
-            Shape::Lines(points) => on_lines(points, x),
+            Shape::Lines(points, index) => on_lines(points, index, x),
             Shape::Steps(points) => {
                 let next = points.partition_point(|p| p.at <= x);
                 (points[next.saturating_sub(1)].speed_mps, 0.0)
             }
             Shape::Sine { mean_mps, amplitude_mps, length } => {
-                let phase = TAU * x / length;
-                (mean_mps + amplitude_mps * libm::sin(phase), amplitude_mps * TAU / length * libm::cos(phase))
+                let (sin, cos) = libm::sincos(TAU * x / length);
+                (mean_mps + amplitude_mps * sin, amplitude_mps * TAU / length * cos)
             }
         };
         (speed, slope * x_rate)
@@ -231,7 +232,7 @@ impl Profile {
     /// and for steps, the last of which holds.
     pub fn length(&self) -> Option<f64> {
         match &self.shape {
-            Shape::Lines(points) => points.last().map(|p| p.at),
+            Shape::Lines(points, _) => points.last().map(|p| p.at),
             Shape::Steps(_) | Shape::Sine { .. } => None,
         }
     }
@@ -247,9 +248,14 @@ impl Profile {
     }
 }
 
+fn lines(points: Vec<Point>) -> Shape {
+    let index = Index::new(points.iter().map(|p| p.at));
+    Shape::Lines(points, index)
+}
+
 /// Speed [m/s] and slope [m/s per unit of the axis] at `x`.
-fn on_lines(points: &[Point], x: f64) -> (f64, f64) {
-    let next = points.partition_point(|p| p.at <= x);
+fn on_lines(points: &[Point], index: &Index, x: f64) -> (f64, f64) {
+    let next = index.count_up_to(x, |i| points[i].at);
     match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
         (Some(a), Some(b)) => {
             let slope = (b.speed_mps - a.speed_mps) / (b.at - a.at);
