@@ -128,6 +128,21 @@ fn drive(
     Ok(worlds.iter().zip(outcomes.chunks(SEEDS + 1).zip(exact)).map(of_route).collect())
 }
 
+/// What Section 5.4 compares: the adaptive law with delay and the classic one without.
+pub fn beside_prompt(rows: &[Row]) -> Vec<Row> {
+    let delayed = |r: &&Row| r.family() == "delay" && r.controller == "adaptive" && r.quantity == "error_rms";
+    let beside = |row: &Row| {
+        let test = row.test.replacen("delay", "driver", 1);
+        let prompt = rows.iter().find(|r| {
+            (r.test.as_str(), r.noise, r.controller, r.quantity) == (&*test, row.noise, "classic", "error_rms")
+                && r.preset == row.preset
+        })?;
+        let value = row.value.zip(prompt.value).map(|(ours, classic)| ours / classic);
+        Some(Row { quantity: "rms_over_prompt_classic", value, spread: None, unit: "1", ..row.clone() })
+    };
+    rows.iter().filter(delayed).filter_map(beside).collect()
+}
+
 /// The table of the paper, and the largest error.
 pub fn errors(rows: &Rows, outcomes: &[Outcome]) -> Vec<Row> {
     let column =
@@ -137,6 +152,7 @@ pub fn errors(rows: &Rows, outcomes: &[Outcome]) -> Vec<Row> {
         rows.of("error_std", "m/s", &column(|o| o.stats.error_std)),
         rows.of("error_rms", "m/s", &column(|o| o.stats.error_rms)),
         rows.of("error_max_abs", "m/s", &column(|o| o.stats.error_max_abs)),
+        rows.of("jerk_rms", "m/s3", &column(|o| o.stats.jerk_rms)),
     ]
     .concat()
 }
