@@ -74,11 +74,11 @@ impl Choice {
     /// The presets `best`, `delay_a`, `delay_d` and `default`.
     const KNOWN: [Self; 4] = [
         Self {
-            values: [0.01111, 20.04, 2.766, 5.442, 0.0358, 0.01126],
+            values: [0.011464, 18.12, 2.869, 8.018, 0.0434, 0.1101],
             period_s: 0.01,
-            estimate: "applied",
+            estimate: "saturated",
             rate: true,
-            window_alpha: "updated",
+            window_alpha: "used",
             recompute: true,
         },
         Self {

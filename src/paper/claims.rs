@@ -62,7 +62,8 @@ const LESS_OSCILLATORY: &str = "undershoot at most half of the classic law's; pa
 const TORQUE: &str = "torque below 5 % of its largest value for good within 100 m of the step; partly: 200 m";
 const COMFORT: &str = "jerk RMS at least 5 % below the classic law's; partly: not 5 % above";
 const REJECTED: &str = "error RMS at most 1.5 times the undisturbed one's; partly: 3 times";
-const DISTURBANCES: &str = "the external disturbances such as wind, slope, road-bank are taken into account";
+/// Shortened from "the external disturbances such as wind, slope, road-bank are taken into account".
+const DISTURBANCES: &str = "taken into account";
 
 /// All claims; Section 5.1, abstract, 5.2, 5.4 and 2.
 const CLAIMS: &[Claim] = &[
@@ -158,6 +159,7 @@ impl Claim {
             (None, _) => "it never got there".to_owned(),
             (_, None) => "there is nothing to compare it with".to_owned(),
             (Some(ours), Some(measure)) => match scale {
+                Scale::Itself | Scale::AtLeast if row.unit == "1" => format!("{ours:.2}"),
                 Scale::Itself | Scale::AtLeast => format!("{ours:.2} {}", row.unit),
                 Scale::Classic | Scale::LikeClassic => format!("{measure:.2} times the classic law's"),
                 Scale::Undisturbed => format!("{measure:.2} times the undisturbed error"),

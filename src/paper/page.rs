@@ -12,15 +12,15 @@ const PAGE_STYLE: &str = "\
 :root{color-scheme:light dark;--ink:#1c2430;--soft:#5b6675;--paper:#fff;--line:#dfe4ea;--card:#f6f8fa;--yes:#d9f0dd;--part:#fdf0cd;--no:#f9dcd9}\
 @media(prefers-color-scheme:dark){:root{--ink:#e4e9f0;--soft:#9aa7b8;--paper:#151a21;--line:#2e3743;--card:#1b212a;--yes:#1d4428;--part:#4d4013;--no:#55231f}}\
 *{box-sizing:border-box}body{margin:0;background:var(--paper);color:var(--ink);font:15px/1.55 system-ui,'Segoe UI',Roboto,sans-serif}\
-main{max-width:1040px;margin:0 auto;padding:28px 20px 80px}h1{font-size:26px;line-height:1.25;margin:0 0 8px}\
+main{max-width:1120px;margin:0 auto;padding:28px 20px 80px}h1{font-size:26px;line-height:1.25;margin:0 0 8px}\
 h2{font-size:21px;margin:44px 0 8px;padding-top:10px;border-top:1px solid var(--line)}h3{font-size:16px;margin:24px 0 6px}\
 p{max-width:76ch}.soft{color:var(--soft)}nav a{margin-right:14px}a{color:inherit}\
-.scroll{overflow-x:auto}table{border-collapse:collapse;margin:10px 0;font-variant-numeric:tabular-nums;font-size:13.5px}\
-th,td{padding:4px 9px;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}th{font-weight:600}\
+.scroll{overflow-x:auto}table{border-collapse:collapse;margin:10px 0;font-variant-numeric:tabular-nums;font-size:12.5px}\
+th,td{padding:3px 7px;border-bottom:1px solid var(--line);text-align:right;white-space:nowrap}th{font-weight:600}\
 th:first-child,td:first-child,td.text,th.text{text-align:left}thead th{border-bottom:2px solid var(--line);vertical-align:bottom}\
-td.why{white-space:normal;min-width:22em}td.words{white-space:normal;min-width:9em;max-width:17em}table.wide{font-size:12.5px}table.wide td,table.wide th{padding:3px 6px}\
+td.why{white-space:normal;min-width:20em}td.words{white-space:normal;min-width:9em}table.wide{font-size:12px}table.wide td,table.wide th{padding:3px 5px}table.wide td.words{min-width:13em}\
 .yes{background:var(--yes)}.part{background:var(--part)}.no{background:var(--no)}.key span{padding:2px 8px;margin-right:8px;border-radius:3px}\
-.figs{display:grid;grid-template-columns:repeat(auto-fit,minmax(440px,1fr));gap:14px}svg.fig{width:100%;height:auto;display:block}\
+.figs{display:grid;grid-template-columns:repeat(auto-fit,minmax(460px,1fr));gap:14px}svg.fig{width:100%;height:auto;display:block}.figs svg.fig{font-size:14.5px}.figs .fig .title{font-size:16px}\
 details{margin:8px 0;border:1px solid var(--line);border-radius:6px;padding:6px 12px}summary{cursor:pointer}\
 blockquote{margin:8px 0;padding:4px 14px;border-left:3px solid var(--line);color:var(--soft);max-width:80ch}\
 @media(max-width:520px){.figs{grid-template-columns:1fr}}";
@@ -50,8 +50,8 @@ const ABOUT: &[(&str, &str, &str, &str)] = &[
         "driver",
         "A driver's recording",
         "Section 5.3, Table 2: error mean -0.01, std 0.77, RMS 0.78 m/s for classic; -0.02, 0.35, 0.35 m/s for adaptive.",
-        "The paper's recording is not public. `driver` is a lap of SUMO's racing circuit, straight, `driver_path` the same along the \
-         reconstructed path; `driver_udds` and `driver_hwfet` are the EPA driving cycles. All are held against the \
+        "The paper's recording is not public. driver is a lap of SUMO's racing circuit, straight, driver_path the same along the \
+         reconstructed path; driver_udds and driver_hwfet are the EPA driving cycles. All are held against the \
          paper's numbers, though they ask for other accelerations than the paper's track: the lap for more than the engines of \
          most presets have (its errors are those of the torque limit), the cycles, sampled once a second, for less than a human on a \
          track.",
@@ -67,7 +67,7 @@ const ABOUT: &[(&str, &str, &str, &str)] = &[
         "Disturbances",
         "Section 2: no vehicle data is needed; external disturbances are part of F and rejected with it. The paper shows no test.",
         "The sinusoid again. From s = 200 m on one thing is other than before. Numbers are RMS errors from there to the end at 600 m; \
-         `pid` is the baseline with its own default tuning. On friction 0.2 the front tyres carry about 1 m/s2, and the sinusoid asks for 2.5.",
+         pid is the baseline with its own default tuning. On friction 0.2 the front tyres carry about 1 m/s2, and the sinusoid asks for 2.5.",
     ),
     (
         "map",
@@ -162,8 +162,8 @@ fn ranking(presets: &[&Preset], results: &Results) -> String {
     };
     let mut html = format!(
         "<h2 id=\"ranking\">Which preset matches the most</h2><p>Each published number and each claim in words counts once for each \
-         recording or disturbance that it is held against: steps, sinusoid and disturbances without noise, recordings with noise, mean over the \
-         seeds. The most matches <b>{}</b>: {} of {} reproduced, {} partly.</p><div class=\"scroll\"><table><thead><tr><th>preset</th>\
+         recording that it is held against: steps and sinusoid without noise, recordings with noise, mean over the seeds. The disturbances, of \
+         which the paper shows no test, do not count. The most matches <b>{}</b>: {} of {} reproduced, {} partly.</p><div class=\"scroll\"><table><thead><tr><th>preset</th>\
          <th>numbers: reproduced</th><th>partly</th><th>not</th><th>words: reproduced</th><th>partly</th><th>not</th><th>all: reproduced</th>\
          <th>partly</th><th>not</th></tr></thead>",
         escape(&first.name),
@@ -209,17 +209,17 @@ fn glance(title: &str, presets: &[&Preset], results: &Results, wanted: &dyn Fn(&
     for w in &shown {
         let _ = write!(
             html,
-            "<tr><td>{} {}</td><td class=\"text\">{} [{}]</td><td class=\"text words\">{}</td>",
+            "<tr><td>{}, {}</td><td class=\"text\">{}{}</td><td class=\"text words\">{}</td>",
             w.test,
             w.controller,
             w.quantity,
-            w.unit,
+            unit(w),
             published(w)
         );
         for p in presets {
             html += &results
                 .get(&w.test, &p.name, w.noise, w.controller, w.quantity)
-                .map_or("<td></td>".to_owned(), |row| cell(row, results));
+                .map_or("<td></td>".to_owned(), |row| cell(&Row { spread: None, ..row.clone() }, results));
         }
         html += "</tr>";
     }
@@ -244,8 +244,12 @@ fn cell(row: &Row, results: &Results) -> String {
     format!("<td{class}>{}</td>", value(row))
 }
 
+fn unit(row: &Row) -> String {
+    if row.unit == "1" { String::new() } else { format!(" [{}]", row.unit) }
+}
+
 fn value(row: &Row) -> String {
-    let digits = if row.unit == "m" { 0 } else { 2 };
+    let digits = if row.unit == "m" || row.value.is_some_and(|v| v.abs() >= 100.0) { 0 } else { 2 };
     let spread = row.spread.map(|s| format!(" &plusmn; {s:.digits$}")).unwrap_or_default();
     let rounded = |v: f64| {
         let text = format!("{v:.digits$}");
@@ -285,11 +289,11 @@ fn table(rows: &[&Row], results: &Results) -> String {
         let why = judged.and_then(|r| Some(format!("{}: {}", results.verdict(r)?, why(r, results))));
         let _ = write!(
             html,
-            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{} [{}]</td>{}{}<td class=\"text words\">{}</td><td class=\"text why\">{}</td></tr>",
+            "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}{}</td>{}{}<td class=\"text words\">{}</td><td class=\"text why\">{}</td></tr>",
             row.test,
             row.controller,
             row.quantity,
-            row.unit,
+            unit(row),
             cell(row, results),
             noisy.map_or("<td></td>".to_owned(), |n| cell(n, results)),
             published(row),

@@ -201,10 +201,11 @@ impl Results {
         text
     }
 
-    /// How many of what a preset's rows stand for came out: reproduced, partly, not; of numbers and of claims in words.
+    /// How many of what a preset's rows stand for came out: reproduced, partly, not; of numbers and of claims in words. The paper
+    /// shows no disturbances, so these do not count.
     pub fn counts(&self, preset: &str) -> [Count; 2] {
         let mut counts = [Count::default(); 2];
-        for row in self.rows.iter().filter(|r| r.preset == preset && r.is_shown()) {
+        for row in self.rows.iter().filter(|r| r.preset == preset && r.is_shown() && r.family() != "disturb") {
             let Some(verdict) = self.verdict(row) else { continue };
             let count = &mut counts[usize::from(row.published().is_none())];
             match verdict {

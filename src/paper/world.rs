@@ -17,6 +17,9 @@ use std::sync::Arc;
 /// Nobody drives longer than this \[s\].
 const PATIENCE_S: f64 = 7200.0;
 
+/// Whether somebody is lost, on the road or in a state that is no number, is looked at once in so many periods.
+const LOOK_EVERY: u32 = 128;
+
 /// When a vehicle is done.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
@@ -176,16 +179,16 @@ impl<'a> World<'a> {
                 let time_s = f64::from(ride.periods) * period_s;
                 let block = fleet.block_mut(slot);
                 watch(ride.trip, block, lane, time_s);
-                let sound = block.is_sound(lane);
                 let there = match trips[ride.trip].end {
                     End::Distance(metres) => block.distance_m(lane) >= metres,
                     End::Time(seconds) => time_s >= seconds - 0.5 * period_s,
                 };
-                let goes_on = sound && !there && time_s < PATIENCE_S;
-                if !goes_on {
-                    outcomes[ride.trip] = Some(Outcome { stats: fleet.release(slot), finished: sound && there });
+                let ends = there || ride.periods % LOOK_EVERY == 0 && (time_s >= PATIENCE_S || !block.is_sound(lane));
+                if ends {
+                    let finished = there && block.is_sound(lane);
+                    outcomes[ride.trip] = Some(Outcome { stats: fleet.release(slot), finished });
                 }
-                goes_on
+                !ends
             });
         }
         Ok(outcomes.into_iter().map(|o| o.expect("every vehicle ended")).collect())

@@ -129,8 +129,8 @@ pub struct Profile {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Shape {
-    /// Straight lines between points. Two points at the same place make a jump.
-    Lines(Vec<Point>, Index),
+    /// Straight lines between points, each with the slope to the next. Two points at the same place make a jump.
+    Lines(Vec<(Point, f64)>, Index),
     /// Each speed holds from its place on.
     Steps(Vec<Point>),
     Sine {
@@ -161,7 +161,7 @@ impl Profile {
     /// [`ReferenceError::Read`] or [`ReferenceError::Content`] with file, line, column, what was found and what is wanted.
     pub fn from_file(path: &Path, options: &RecordingOptions) -> Result<Self, ReferenceError> {
         let (by, points, track) = recording::read(path, options)?;
-        Ok(Self { by, shape: lines(points), track })
+        Ok(Self { by, shape: lines(&points), track })
     }
 
     /// Steps: `speeds_mps[i]` holds from `at[i]` (m or s) on, the first one before it as well.
@@ -232,7 +232,7 @@ impl Profile {
     /// and for steps, the last of which holds.
     pub fn length(&self) -> Option<f64> {
         match &self.shape {
-            Shape::Lines(points, _) => points.last().map(|p| p.at),
+            Shape::Lines(points, _) => points.last().map(|(p, _)| p.at),
             Shape::Steps(_) | Shape::Sine { .. } => None,
         }
     }
@@ -248,20 +248,23 @@ impl Profile {
     }
 }
 
-fn lines(points: Vec<Point>) -> Shape {
+fn lines(points: &[Point]) -> Shape {
     let index = Index::new(points.iter().map(|p| p.at));
-    Shape::Lines(points, index)
+    let slope = |i: usize| match points.get(i + 1) {
+        Some(next) => (next.speed_mps - points[i].speed_mps) / (next.at - points[i].at),
+        None => 0.0,
+    };
+    Shape::Lines(points.iter().enumerate().map(|(i, point)| (*point, slope(i))).collect(), index)
 }
 
 /// Speed [m/s] and slope [m/s per unit of the axis] at `x`.
-fn on_lines(points: &[Point], index: &Index, x: f64) -> (f64, f64) {
-    let next = index.count_up_to(x, |i| points[i].at);
-    match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
-        (Some(a), Some(b)) => {
-            let slope = (b.speed_mps - a.speed_mps) / (b.at - a.at);
-            (a.speed_mps + slope * (x - a.at), slope)
+fn on_lines(points: &[(Point, f64)], index: &Index, x: f64) -> (f64, f64) {
+    match index.count_up_to(x, |i| points[i].0.at) {
+        0 => (points.first().map_or(0.0, |(p, _)| p.speed_mps), 0.0),
+        after if after == points.len() => (points[after - 1].0.speed_mps, 0.0),
+        after => {
+            let (from, slope) = points[after - 1];
+            (from.speed_mps + slope * (x - from.at), slope)
         }
-        (Some(outside), None) => (outside.speed_mps, 0.0),
-        (None, first) => (first.map_or(0.0, |p| p.speed_mps), 0.0),
     }
 }
