@@ -194,9 +194,11 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
         let results = Results { rows: whole.rows.clone() };
         whole.extend(law::run(&lab, presets[0], &results)?);
     }
-    // A map that is there already costs nothing to show again.
-    if request.test == "map" || request.test == "all" && request.out_dir.join("map.csv").is_file() {
-        whole.extend(map(request, &lab, presets[0])?);
+    let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
+    // Everything takes no minutes: a map that is there already costs nothing to show again, another one is not begun.
+    let shown = request.test == "all" && map::is_there(&lab, presets[0], &request.out_dir, &grid)?;
+    if request.test == "map" || shown {
+        whole.extend(map(request, &lab, presets[0], &grid)?);
     }
     write_all(request, &lab, &presets, whole)
 }
@@ -225,9 +227,8 @@ fn all(lab: &Lab, tests: &[&Entry<Run>], presets: &[&Preset]) -> Result<Vec<Find
 }
 
 /// The map around a preset.
-fn map(request: &Request, lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
-    let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
-    let map = map::run(lab, preset, &request.out_dir, &grid, request.progress)?;
+fn map(request: &Request, lab: &Lab, preset: &Preset, grid: &map::Grid) -> Result<Finding, PaperError> {
+    let map = map::run(lab, preset, &request.out_dir, grid, request.progress)?;
     let scenario = lab.library.scenario("step", preset, "adaptive", &[])?;
     let values = &scenario.groups[0].controller.values;
     let mark = [scenario.control_period_s, values.number("k_p"), values.number("accel_per_unit_mps2")];

@@ -369,6 +369,12 @@ fn the_map_is_drawn_for_every_delay() {
         rows.any(|r| r.quantity == "error_rms" && r.value.is_some_and(|v| v > 0.0))
     };
     assert!(["classic", "adaptive", "pid"].iter().all(|c| tuned(c)));
+    let lab = lab(dir.path());
+    let is_there = |preset: &str, grid: &map::Grid| {
+        map::is_there(&lab, lab.library.find(preset).unwrap(), dir.path(), grid).unwrap()
+    };
+    assert!(is_there("default", &map::Grid::coarse()));
+    assert!(!is_there("best", &map::Grid::coarse()) && !is_there("default", &map::Grid::whole()), "not this map");
 }
 
 /// A disturbance that is no step for the body cannot be told from none; a mass of one and a half can.

@@ -120,12 +120,13 @@ fn drive(
             }
         }
     })?;
-    let of_route = |((suffix, _), (outcomes, exact)): (&(&'static str, World), (&[Outcome], Vec<Moment>))| {
+    let mut driven = Vec::new();
+    for (((suffix, _), outcomes), exact) in worlds.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
         let name = format!("{test}{suffix}");
         let rows = errors(&Rows { test: &name, preset: &preset.name, controller }, outcomes);
-        Driven { suffix, controller, rows, exact }
-    };
-    Ok(worlds.iter().zip(outcomes.chunks(SEEDS + 1).zip(exact)).map(of_route).collect())
+        driven.push(Driven { suffix, controller, rows, exact });
+    }
+    Ok(driven)
 }
 
 /// What Section 5.4 compares: the adaptive law with delay and the classic one without.

@@ -143,6 +143,15 @@ pub fn run(lab: &Lab, preset: &Preset, dir: &Path, grid: &Grid, progress: bool) 
     Ok(map_page::Map { grid: grid.clone(), cells })
 }
 
+/// True if the folder has this very map, so that [`run`] has nothing left to compute.
+///
+/// # Errors
+/// [`PaperError`] if a scenario cannot be read.
+pub fn is_there(lab: &Lab, preset: &Preset, dir: &Path, grid: &Grid) -> Result<bool, PaperError> {
+    let mine = format!("# {}", key(lab, preset, grid)?);
+    Ok(std::fs::read_to_string(dir.join("map.csv")).is_ok_and(|text| text.lines().next() == Some(&mine)))
+}
+
 fn jobs(grid: &Grid) -> Vec<Job> {
     let mut jobs = Vec::new();
     for &period_s in &grid.periods_s {
