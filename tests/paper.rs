@@ -131,6 +131,19 @@ fn every_recording_and_every_preset_is_driven_with_noise_and_without() {
     }
 }
 
+/// The preset `delay_a` is called like the test `delay`: its figures belong to their own tests all the same.
+#[test]
+fn no_figure_is_on_the_page_twice() {
+    let dir = folder();
+    let request = Request { preset: Some("delay_a".to_owned()), ..request("delay", dir.path()) };
+    run(&request).unwrap();
+    let page = fs::read_to_string(dir.path().join("index.html")).unwrap();
+    let titles: Vec<&str> =
+        page.split("role=\"img\"><title>").skip(1).map(|t| t.split("</title>").next().unwrap()).collect();
+    assert!(titles.len() >= 4);
+    assert_eq!(titles.iter().collect::<BTreeSet<_>>().len(), titles.len(), "{titles:?}");
+}
+
 /// The seeds are at least the twenty that the spread stands for.
 #[test]
 fn noise_has_at_least_twenty_seeds() {

@@ -108,7 +108,9 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
                 escape(paper),
                 escape(here)
             );
-            let once = found.figures.iter().filter(|f| f.name.starts_with(&format!("{test}_")));
+            // A preset may be called like a test.
+            let of_preset = |f: &Figure| presets.iter().any(|p| f.name.starts_with(&format!("{}_", p.name)));
+            let once = found.figures.iter().filter(|f| f.name.starts_with(&format!("{test}_")) && !of_preset(f));
             html += &once.map(Figure::inline).collect::<String>();
             for (i, preset) in presets.iter().enumerate() {
                 html += &section(test, preset, i == 0, results, &found.figures);
