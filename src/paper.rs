@@ -4,6 +4,7 @@
 //! choice of all that; every test runs under every preset, so that nothing is picked test by test. The vehicles drive in
 //! the fleet that `run` uses ([`world`]). One file per test; [`TESTS`] lists them.
 
+pub mod claims;
 pub mod disturb;
 pub mod driver;
 pub mod figure;
@@ -26,15 +27,15 @@ use crate::run::RunError;
 use crate::scenario::{Override, ScenarioError};
 use figure::Figure;
 use library::{Library, Preset};
-use rayon::prelude::*;
 use results::{Results, Row};
 use series::Series;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// The controllers that the paper compares.
 pub const CONTROLLERS: [&str; 2] = ["classic", "adaptive"];
-/// Seeds of the noise. With the vehicle without noise they fill two blocks.
-pub const SEEDS: usize = 31;
+/// Seeds of the noise.
+pub const SEEDS: usize = 20;
 
 /// Runs a test under one preset.
 pub type Run = fn(&Lab, &Preset) -> Result<Finding, PaperError>;
@@ -184,29 +185,50 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
         Some(name) => vec![lab.library.find(name)?],
         None => lab.library.presets.iter().collect(),
     };
-    let jobs: Vec<(&Entry<Run>, &Preset)> =
-        tests.iter().flat_map(|test| presets.iter().map(move |preset| (*test, *preset))).collect();
-    let findings: Vec<Finding> =
-        jobs.par_iter().map(|(test, preset)| (test.build)(&lab, preset)).collect::<Result<_, _>>()?;
     let mut whole = Finding::default();
-    for finding in findings {
+    for finding in all(&lab, &tests, &presets)? {
         whole.extend(finding);
     }
+    whole.rows.extend(driver::beside_prompt(&whole.rows));
     if tests.iter().any(|t| t.name == "step") {
         let results = Results { rows: whole.rows.clone() };
         whole.extend(law::run(&lab, presets[0], &results)?);
     }
-    // A map that is there already costs nothing to show again.
-    if request.test == "map" || request.test == "all" && request.out_dir.join("map.csv").is_file() {
-        whole.extend(map(request, &lab, presets[0])?);
+    let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
+    // Everything takes no minutes: a map that is there already costs nothing to show again, another one is not begun.
+    let shown = request.test == "all" && map::is_there(&lab, presets[0], &request.out_dir, &grid)?;
+    if request.test == "map" || shown {
+        whole.extend(map(request, &lab, presets[0], &grid)?);
     }
     write_all(request, &lab, &presets, whole)
 }
 
+/// Every test under every preset, in that order, on all cores. What takes longest begins first, so that no core waits
+/// for the last one.
+fn all(lab: &Lab, tests: &[&Entry<Run>], presets: &[&Preset]) -> Result<Vec<Finding>, PaperError> {
+    let mut jobs = Vec::new();
+    for test in tests {
+        for preset in presets {
+            jobs.push((test.build, *preset, lab.library.scenario("step", preset, "adaptive", &[])?.control_period_s));
+        }
+    }
+    let found: Vec<OnceLock<Result<Finding, PaperError>>> = jobs.iter().map(|_| OnceLock::new()).collect();
+    let mut order: Vec<usize> = (0..jobs.len()).collect();
+    order.sort_by(|a, b| jobs[*a].2.total_cmp(&jobs[*b].2));
+    rayon::scope_fifo(|scope| {
+        for job in order {
+            let ((run, preset, _), found) = (&jobs[job], &found[job]);
+            scope.spawn_fifo(move |_| {
+                let _ = found.set(run(lab, preset));
+            });
+        }
+    });
+    found.into_iter().map(|f| f.into_inner().expect("every job ran")).collect()
+}
+
 /// The map around a preset.
-fn map(request: &Request, lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
-    let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
-    let map = map::run(lab, preset, &request.out_dir, &grid, request.progress)?;
+fn map(request: &Request, lab: &Lab, preset: &Preset, grid: &map::Grid) -> Result<Finding, PaperError> {
+    let map = map::run(lab, preset, &request.out_dir, grid, request.progress)?;
     let scenario = lab.library.scenario("step", preset, "adaptive", &[])?;
     let values = &scenario.groups[0].controller.values;
     let mark = [scenario.control_period_s, values.number("k_p"), values.number("accel_per_unit_mps2")];

@@ -1,6 +1,7 @@
 //! What a controller is to follow. `traffic` and `limit` get their speed from SUMO in every step (the coupling knows how);
 //! a [`Profile`] is a speed over position or time from a formula or a file. One entry each in [`TARGETS`].
 
+mod index;
 mod profile;
 mod recording;
 mod table;

@@ -26,6 +26,8 @@ pub enum Follow<'a> {
     Target,
     /// A profile over the vehicle's own distance or time, never above the target speed.
     Profile(&'a Profile),
+    /// The same with a profile for each slot.
+    Profiles(&'a [&'a Profile; LANES]),
 }
 
 /// What bound the target of a slot in the running step.
@@ -325,7 +327,7 @@ impl Block {
         let step_s = f64::from(periods) * clockwork.period_s;
         self.lead_limited = match follow {
             Follow::Traffic => self.step_traffic(clockwork, periods, step_s, &before_mps),
-            Follow::Target | Follow::Profile(_) => self.step_targets(clockwork, periods, follow),
+            _ => self.step_targets(clockwork, periods, follow),
         };
         let speed_mps = self.plant.vx_mps;
         self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - before_mps[i]) / step_s);
@@ -392,14 +394,17 @@ impl Block {
     fn targets_now(&self, follow: Follow, ahead_s: f64) -> (Lanes, Lanes) {
         let mut speed = self.target_mps;
         let mut rate = [0.0; LANES];
-        if let Follow::Profile(profile) = follow {
-            for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
-                let rolling_mps = self.plant.vx_mps[i];
-                let place_m = self.plant.distance_m[i] + rolling_mps * ahead_s;
-                let (wanted, wanted_rate) = profile.at(place_m, self.clock_s[i] + ahead_s, rolling_mps);
-                if wanted <= speed[i] {
-                    (speed[i], rate[i]) = (wanted, wanted_rate);
-                }
+        let profiles = match follow {
+            Follow::Profile(profile) => &[profile; LANES],
+            Follow::Profiles(profiles) => profiles,
+            Follow::Traffic | Follow::Target => return (speed, rate),
+        };
+        for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
+            let rolling_mps = self.plant.vx_mps[i];
+            let place_m = self.plant.distance_m[i] + rolling_mps * ahead_s;
+            let (wanted, wanted_rate) = profiles[i].at(place_m, self.clock_s[i] + ahead_s, rolling_mps);
+            if wanted <= speed[i] {
+                (speed[i], rate[i]) = (wanted, wanted_rate);
             }
         }
         (speed, rate)

@@ -82,12 +82,12 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
 
 fn numbers(world: &World, preset: &Preset, controller: &'static str) -> Result<Vec<Row>, PaperError> {
     let start_mps = world.profile.at(0.0, 0.0, 0.0).0;
-    let mut vehicles = Vec::new();
+    let mut trips = Vec::new();
     for _ in DISTURBANCES {
-        vehicles.extend(world.vehicles(SEEDS, start_mps)?);
+        trips.extend(world.trips(SEEDS, start_mps, End::Distance(LENGTH_M))?);
     }
-    let mut errors = vec![Error::default(); vehicles.len()];
-    let outcomes = world.drive(vehicles, End::Distance(LENGTH_M), |vehicle, block, lane, _| {
+    let mut errors = vec![Error::default(); trips.len()];
+    let outcomes = world.drive(&trips, |vehicle, block, lane, _| {
         if block.distance_m(lane) < FROM_M {
             return;
         }

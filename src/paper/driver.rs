@@ -5,9 +5,11 @@ use super::figure::{Chart, Curve, Figure};
 use super::library::Preset;
 use super::results::{Row, Rows};
 use super::series::Series;
-use super::world::{End, Moment, Outcome, World};
+use super::world::{Moment, Outcome, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
 use crate::scenario::Override;
+use rayon::prelude::*;
+use std::cmp::Ordering;
 
 /// What is driven: the name behind the test's, the file of `data/` or none for the test's own, along its track or straight.
 const ROUTES: &[Route] = &[
@@ -17,10 +19,21 @@ const ROUTES: &[Route] = &[
     Route { suffix: "_hwfet", file: Some("data/hwfet.csv"), along_track: false },
 ];
 
+/// Of the drive without noise, so much time is between two moments of the series and figures \[s\].
+const SERIES_EVERY_S: f64 = 0.05;
+
 struct Route {
     suffix: &'static str,
     file: Option<&'static str>,
     along_track: bool,
+}
+
+/// What one controller made of a route.
+struct Driven {
+    suffix: &'static str,
+    controller: &'static str,
+    rows: Vec<Row>,
+    exact: Vec<Moment>,
 }
 
 /// The driver test under one preset.
@@ -40,52 +53,95 @@ pub fn run_delayed(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
 }
 
 fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
+    let jobs = CONTROLLERS.iter().flat_map(|controller| [false, true].map(|along_track| (*controller, along_track)));
+    let driven: Vec<Vec<Driven>> = jobs
+        .collect::<Vec<_>>()
+        .par_iter()
+        .map(|(controller, along_track)| drive(lab, preset, test, controller, *along_track))
+        .collect::<Result<_, _>>()?;
+    let mut driven: Vec<Driven> = driven.into_iter().flatten().collect();
     let mut finding = Finding::default();
+    for Route { suffix, .. } in ROUTES {
+        let (mine, others): (Vec<_>, Vec<_>) = driven.into_iter().partition(|d| d.suffix == *suffix);
+        driven = others;
+        let (rows, drives): (Vec<_>, Vec<_>) = mine.into_iter().map(|d| (d.rows, (d.controller, d.exact))).unzip();
+        if !drives.is_empty() {
+            let name = format!("{test}{suffix}");
+            let (figures, series) = (figures(preset, &name, &drives), Series::all(&name, preset, &drives));
+            finding.extend(Finding { rows: rows.concat(), figures, series });
+        }
+    }
+    Ok(finding)
+}
+
+/// All routes along their tracks, or all straight ones, under one controller: they share a block.
+fn drive(
+    lab: &Lab,
+    preset: &Preset,
+    test: &str,
+    controller: &'static str,
+    along_track: bool,
+) -> Result<Vec<Driven>, PaperError> {
+    let mut scenarios = Vec::new();
     // Somebody's own recording is driven instead of all of ours.
-    let cycles = lab.driver.is_none() && preset.cycles;
-    for route in ROUTES.iter().filter(|r| cycles || r.file.is_none()) {
+    let ours = |r: &&Route| r.along_track == along_track && (lab.driver.is_none() || r.file.is_none());
+    for route in ROUTES.iter().filter(ours) {
         let file = match (&lab.driver, route.file) {
             (Some(own), _) => Some(own.clone()),
             (None, file) => file.map(|f| lab.library.folder().join(f)),
         };
         let more: Vec<Override> =
             file.map(|f| Override::text("--driver", "target.file", &f.to_string_lossy())).into_iter().collect();
-        let name = format!("{test}{}", route.suffix);
-        finding.extend(drive(lab, preset, test, &name, &more, route.along_track)?);
+        scenarios.push((route.suffix, lab.library.scenario(test, preset, controller, &more)?));
     }
-    Ok(finding)
+    let mut worlds = Vec::new();
+    for (suffix, scenario) in &scenarios {
+        let mut world = World::new(scenario)?;
+        world.along_track = along_track;
+        worlds.push((*suffix, world));
+    }
+    // No yaw rate, no path.
+    worlds.retain(|(_, world)| !along_track || world.profile.track().is_some());
+    worlds.sort_by(|(_, a), (_, b)| b.profile.length().partial_cmp(&a.profile.length()).unwrap_or(Ordering::Equal));
+    let Some((_, first)) = worlds.first() else { return Ok(Vec::new()) };
+    let mut trips = Vec::new();
+    for (_, world) in &worlds {
+        trips.extend(world.whole_trips(SEEDS)?);
+    }
+    let every = (SERIES_EVERY_S / scenarios[0].1.control_period_s).round().max(1.0) as u32;
+    let mut exact = vec![Vec::new(); worlds.len()];
+    let mut periods = vec![0_u32; worlds.len()];
+    let outcomes = first.drive(&trips, |trip, block, lane, time_s| {
+        let (route, vehicle) = (trip / (SEEDS + 1), trip % (SEEDS + 1));
+        if vehicle == 0 {
+            periods[route] += 1;
+            if periods[route] % every == 0 {
+                exact[route].push(Moment::of(block, lane, time_s));
+            }
+        }
+    })?;
+    let mut driven = Vec::new();
+    for (((suffix, _), outcomes), exact) in worlds.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
+        let name = format!("{test}{suffix}");
+        let rows = errors(&Rows { test: &name, preset: &preset.name, controller }, outcomes);
+        driven.push(Driven { suffix, controller, rows, exact });
+    }
+    Ok(driven)
 }
 
-fn drive(
-    lab: &Lab,
-    preset: &Preset,
-    test: &str,
-    name: &str,
-    more: &[Override],
-    along_track: bool,
-) -> Result<Finding, PaperError> {
-    let (mut drives, mut rows) = (Vec::new(), Vec::new());
-    for controller in CONTROLLERS {
-        let scenario = lab.library.scenario(test, preset, controller, more)?;
-        let mut world = World::new(&scenario)?;
-        if along_track && world.profile.track().is_none() {
-            return Ok(Finding::default()); // no yaw rate, no path
-        }
-        world.along_track = along_track;
-        let length = world.profile.length().ok_or(PaperError::NoProfile)?;
-        let end = if world.profile.is_by_time() { End::Time(length) } else { End::Distance(length) };
-        let mut exact = Vec::new();
-        let start_mps = world.profile.at(0.0, 0.0, 0.0).0;
-        let vehicles = world.vehicles(SEEDS, start_mps)?;
-        let outcomes = world.drive(vehicles, end, |vehicle, block, lane, time_s| {
-            if vehicle == 0 {
-                exact.push(Moment::of(block, lane, time_s));
-            }
+/// What Section 5.4 compares: the adaptive law with delay and the classic one without.
+pub fn beside_prompt(rows: &[Row]) -> Vec<Row> {
+    let delayed = |r: &&Row| r.family() == "delay" && r.controller == "adaptive" && r.quantity == "error_rms";
+    let beside = |row: &Row| {
+        let test = row.test.replacen("delay", "driver", 1);
+        let prompt = rows.iter().find(|r| {
+            (r.test.as_str(), r.noise, r.controller, r.quantity) == (&*test, row.noise, "classic", "error_rms")
+                && r.preset == row.preset
         })?;
-        rows.extend(errors(&Rows { test: name, preset: &preset.name, controller }, &outcomes));
-        drives.push((controller, exact));
-    }
-    Ok(Finding { rows, figures: figures(preset, name, &drives), series: Series::all(name, preset, &drives) })
+        let value = row.value.zip(prompt.value).map(|(ours, classic)| ours / classic);
+        Some(Row { quantity: "rms_over_prompt_classic", value, spread: None, unit: "1", ..row.clone() })
+    };
+    rows.iter().filter(delayed).filter_map(beside).collect()
 }
 
 /// The table of the paper, and the largest error.
@@ -97,6 +153,7 @@ pub fn errors(rows: &Rows, outcomes: &[Outcome]) -> Vec<Row> {
         rows.of("error_std", "m/s", &column(|o| o.stats.error_std)),
         rows.of("error_rms", "m/s", &column(|o| o.stats.error_rms)),
         rows.of("error_max_abs", "m/s", &column(|o| o.stats.error_max_abs)),
+        rows.of("jerk_rms", "m/s3", &column(|o| o.stats.jerk_rms)),
     ]
     .concat()
 }

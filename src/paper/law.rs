@@ -86,7 +86,7 @@ impl Point {
             let scenario = lab.library.scenario("step", preset, controller, &settings)?;
             let world = World::new(&scenario)?;
             let mut path = Vec::new();
-            world.drive(world.vehicles(0, 0.0)?, End::Distance(LENGTH_M), |_, block, lane, _| {
+            world.drive(&world.trips(0, 0.0, End::Distance(LENGTH_M))?, |_, block, lane, _| {
                 path.push((block.distance_m(lane), block.speed_mps(lane)));
             })?;
             let plateau = Plateau { from_m: 0.0, to_m: LENGTH_M, target_mps: TARGET_MPS };

@@ -53,8 +53,6 @@ pub struct Preset {
     pub title: String,
     /// What it is for and where it ends.
     pub why: String,
-    /// Whether the driving cycles are driven too, which takes long at a short control period.
-    pub cycles: bool,
     settings: Vec<Override>,
 }
 
@@ -107,9 +105,8 @@ impl Library {
         let path = self.folder.join("presets").join(format!("{name}.toml"));
         let document = read(&path)?;
         let text = |key: &str| document.get(key).and_then(Item::as_str).unwrap_or_default().to_owned();
-        let cycles = document.get("cycles").and_then(Item::as_bool).unwrap_or(false);
         let settings = settings(&path, &document)?;
-        Ok(Preset { name, title: text("title"), why: text("why"), cycles, settings })
+        Ok(Preset { name, title: text("title"), why: text("why"), settings })
     }
 
     /// The scenario of a test under a preset with a controller; `more`, meant for just this

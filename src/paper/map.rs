@@ -10,9 +10,8 @@
 
 use super::library::Preset;
 use super::step::{Plateau, response};
-use super::world::{End, World};
+use super::world::{End, Trip, World};
 use super::{Lab, PaperError, map_page};
-use crate::fleet::VehicleSetup;
 use crate::scenario::Override;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -172,6 +171,15 @@ pub fn run(lab: &Lab, preset: &Preset, dir: &Path, grid: &Grid, progress: bool) 
     Ok(map_page::Map { grid: grid.clone(), cells })
 }
 
+/// True if the folder has this very map, so that [`run`] has nothing left to compute.
+///
+/// # Errors
+/// [`PaperError`] if a scenario cannot be read.
+pub fn is_there(lab: &Lab, preset: &Preset, dir: &Path, grid: &Grid) -> Result<bool, PaperError> {
+    let mine = format!("# {}", key(lab, preset, grid)?);
+    Ok(std::fs::read_to_string(dir.join("map.csv")).is_ok_and(|text| text.lines().next() == Some(&mine)))
+}
+
 fn jobs(grid: &Grid) -> Vec<Job> {
     let mut jobs = Vec::new();
     for &period_s in &grid.periods_s {
@@ -240,10 +248,9 @@ impl Job {
         settings.push(Override::text("map", "target.by", "time"));
         let scenario = lab.library.scenario("driver", preset, self.controller, &settings)?;
         let world = World::new(&scenario)?;
-        let length_s = world.profile.length().ok_or(PaperError::NoProfile)?;
-        let noisy = world.vehicles(1, world.profile.at(0.0, 0.0, 0.0).0)?.pop().ok_or(PaperError::NoProfile)?;
-        let vehicles = cells.iter().map(|cell| cell.vehicle(&noisy)).collect();
-        let outcomes = world.drive(vehicles, End::Time(length_s), |_, _, _, _| {})?;
+        let noisy = world.whole_trips(1)?.pop().ok_or(PaperError::NoProfile)?;
+        let trips: Vec<Trip> = cells.iter().map(|cell| cell.trip(&noisy)).collect();
+        let outcomes = world.drive(&trips, |_, _, _, _| {})?;
         for (cell, outcome) in cells.iter_mut().zip(outcomes) {
             cell.error_rms = outcome.stats.error_rms.filter(|e| outcome.finished && e.is_finite());
         }
@@ -254,10 +261,10 @@ impl Job {
         let scenario = lab.library.scenario("step", preset, self.controller, &self.settings(cells))?;
         let world = World::new(&scenario)?;
         let [first, _] = super::step::plateaus(&world);
-        let exact = world.vehicles(0, 0.0)?.pop().ok_or(PaperError::NoProfile)?;
-        let vehicles = cells.iter().map(|cell| cell.vehicle(&exact)).collect();
+        let exact = world.trips(0, 0.0, End::Time(STEP_S))?.pop().ok_or(PaperError::NoProfile)?;
+        let trips: Vec<Trip> = cells.iter().map(|cell| cell.trip(&exact)).collect();
         let mut paths = vec![Vec::new(); cells.len()];
-        let outcomes = world.drive(vehicles, End::Time(STEP_S), |vehicle, block, lane, _| {
+        let outcomes = world.drive(&trips, |vehicle, block, lane, _| {
             if block.distance_m(lane) < first.to_m {
                 paths[vehicle].push((block.distance_m(lane), block.speed_mps(lane)));
             }
@@ -270,15 +277,16 @@ impl Job {
 }
 
 impl Cell {
-    /// The vehicle of this case.
-    fn vehicle(&self, like: &VehicleSetup) -> VehicleSetup {
-        let mut vehicle = like.clone();
+    /// The trip of this case.
+    fn trip(&self, like: &Trip) -> Trip {
+        let mut trip = like.clone();
+        let vehicle = &mut trip.vehicle;
         let limit_nm = self.limit_mps2 * vehicle.body.nominal_nm_per_mps2();
         vehicle.body.drive_torque_max_nm = limit_nm;
         vehicle.body.brake_torque_max_nm = limit_nm;
         vehicle.nominal_nm_per_mps2 *= self.scale;
         vehicle.actuator.dead_time_s = self.delay_s;
-        vehicle
+        trip
     }
 
     fn job(&self) -> String {

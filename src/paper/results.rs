@@ -1,5 +1,6 @@
 //! `results.csv`: every number that came out, beside the published one where there is one, with a verdict that is computed.
 
+use super::{claims, sine};
 use std::fmt;
 use std::fmt::Write;
 
@@ -59,7 +60,8 @@ impl Published {
 pub enum Verdict {
     /// It agrees.
     Reproduced,
-    /// It does not, but the adaptive law is better than the classic one by at least half as much as published.
+    /// It does not, but the adaptive law is better than the classic one by at least half as much as published; of a claim
+    /// in words, as its criterion says.
     Partly,
     /// Neither.
     NotReproduced,
@@ -72,6 +74,24 @@ impl fmt::Display for Verdict {
             Self::Partly => "partly",
             Self::NotReproduced => "not reproduced",
         })
+    }
+}
+
+/// How many verdicts of each kind.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Count {
+    /// Reproduced.
+    pub reproduced: usize,
+    /// Partly.
+    pub partly: usize,
+    /// Not reproduced.
+    pub not: usize,
+}
+
+impl Count {
+    /// How many verdicts.
+    pub fn all(&self) -> usize {
+        self.reproduced + self.partly + self.not
     }
 }
 
@@ -99,12 +119,27 @@ const PUBLISHED: &[(&str, &str, &str, Published)] = &[
 impl Row {
     /// What the paper says about this quantity; `driver_udds` is held against the paper's `driver`.
     pub fn published(&self) -> Option<Published> {
-        published(&self.test, self.controller, self.quantity)
+        published(self.family(), self.controller, self.quantity)
+    }
+
+    /// `driver` of `driver_udds`.
+    pub fn family(&self) -> &str {
+        family(&self.test)
+    }
+
+    /// Whether this row stands for what the paper shows. Of the steps, the sine and the disturbances that is the single drive
+    /// without noise; of the recordings, which go on for long, the mean over the noise. The short sine is beside the paper.
+    pub fn is_shown(&self) -> bool {
+        self.noise == ["driver", "delay"].contains(&self.family()) && self.test != sine::SHORT
     }
 }
 
-fn published(test: &str, controller: &str, quantity: &str) -> Option<Published> {
-    let family = test.split('_').next().unwrap_or(test);
+/// `driver` of `driver_udds`.
+pub fn family(test: &str) -> &str {
+    test.split('_').next().unwrap_or(test)
+}
+
+fn published(family: &str, controller: &str, quantity: &str) -> Option<Published> {
     PUBLISHED.iter().find(|(t, c, q, _)| (*t, *c, *q) == (family, controller, quantity)).map(|p| p.3)
 }
 
@@ -124,15 +159,15 @@ impl Results {
         })
     }
 
-    /// The verdict on a row that the paper has a number for.
+    /// The verdict on a row that the paper has a number for, or a claim in words.
     pub fn verdict(&self, row: &Row) -> Option<Verdict> {
-        let ours = row.published()?;
+        let Some(ours) = row.published() else { return claims::about(row).map(|claim| claim.judge(row, self)) };
         if row.value.is_some_and(|v| ours.agrees(v)) {
             return Some(Verdict::Reproduced);
         }
         let both = |controller| {
             let here = self.get(&row.test, &row.preset, row.noise, controller, row.quantity)?.value?;
-            let there = published(&row.test, controller, row.quantity)?.number();
+            let there = published(row.family(), controller, row.quantity)?.number();
             Some((here, there))
         };
         Some(match (both("classic"), both("adaptive")) {
@@ -146,16 +181,15 @@ impl Results {
         })
     }
 
-    /// What the paper has a number for, as a table for the terminal.
+    /// What stands for a published number, as a table for the terminal.
     pub fn table(&self) -> String {
         let mut text = String::new();
-        for row in &self.rows {
+        for row in self.rows.iter().filter(|r| r.is_shown()) {
             let Some((published, verdict)) = row.published().zip(self.verdict(row)) else { continue };
-            let noise = if row.noise { "noise" } else { "     " };
             let value = row.value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}"));
             let _ = writeln!(
                 text,
-                "{:<14}{:<10}{noise} {:<10}{:<13}{value:>8} {:<4}published {:>6}  {verdict}",
+                "{:<14}{:<10}{:<10}{:<13}{value:>8} {:<4}published {:>6}  {verdict}",
                 row.test,
                 row.preset,
                 row.controller,
@@ -165,6 +199,22 @@ impl Results {
             );
         }
         text
+    }
+
+    /// How many of what a preset's rows stand for came out: reproduced, partly, not; of numbers and of claims in words. The paper
+    /// shows no disturbances, so these do not count.
+    pub fn counts(&self, preset: &str) -> [Count; 2] {
+        let mut counts = [Count::default(); 2];
+        for row in self.rows.iter().filter(|r| r.preset == preset && r.is_shown() && r.family() != "disturb") {
+            let Some(verdict) = self.verdict(row) else { continue };
+            let count = &mut counts[usize::from(row.published().is_none())];
+            match verdict {
+                Verdict::Reproduced => count.reproduced += 1,
+                Verdict::Partly => count.partly += 1,
+                Verdict::NotReproduced => count.not += 1,
+            }
+        }
+        counts
     }
 
     /// As `results.csv`.

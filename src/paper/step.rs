@@ -4,13 +4,16 @@ use super::figure::{Chart, Curve, Figure};
 use super::library::Preset;
 use super::results::{Row, Rows};
 use super::series::Series;
-use super::world::{End, Moment, World};
+use super::world::{End, Moment, Outcome, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
 
 /// Length of the test \[m\].
 pub const LENGTH_M: f64 = 600.0;
 /// The band in which a step has settled, relative to its height.
 pub const BAND: f64 = 0.02;
+
+/// The torque has settled when it stays below this share of its largest value.
+const TORQUE_BAND: f64 = 0.05;
 
 /// A constant target on a stretch of road.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,14 +57,36 @@ pub fn response(path: &[(f64, f64)], plateau: &Plateau) -> Response {
     Response { overshoot: 100.0 * over, undershoot: 100.0 * under, settling_m: settled }
 }
 
+/// Metres from a step to where the torque is below [`TORQUE_BAND`] of its largest value for good, given places \[m\] and
+/// torques; none if it never is.
+fn torque_settling(torques: &[(f64, f64)], plateau: &Plateau) -> Option<f64> {
+    let on = || torques.iter().filter(|(s, _)| (plateau.from_m..plateau.to_m).contains(s));
+    let largest = on().map(|(_, torque)| torque.abs()).fold(0.0, f64::max);
+    let mut settled = None;
+    for (s, torque) in on() {
+        match (torque.abs() <= TORQUE_BAND * largest, settled) {
+            (true, None) => settled = Some(s - plateau.from_m),
+            (false, Some(_)) => settled = None,
+            _ => {}
+        }
+    }
+    settled
+}
+
 /// Everything that the test shows about one controller.
 pub struct Drive {
     /// The vehicle without noise, every period.
     pub exact: Vec<Moment>,
     /// Responses to both steps, of the vehicle without noise and then of each with.
     pub responses: Vec<[Response; 2]>,
+    /// The same of the torque \[m\].
+    torque_settling_m: Vec<[Option<f64>; 2]>,
     /// Share of the time with α̂ nominal.
-    pub nominal: Vec<f64>,
+    nominal: Vec<f64>,
+    /// Largest α̂/α_nominal while the speed is above the target.
+    alpha_max: Vec<f64>,
+    /// Their statistics.
+    outcomes: Vec<Outcome>,
 }
 
 /// The two steps of the test.
@@ -84,18 +109,26 @@ pub fn drive(world: &World, seeds: usize) -> Result<Drive, PaperError> {
     let steps = plateaus(world);
     let mut exact = Vec::new();
     let mut paths = vec![Vec::new(); seeds + 1];
+    let mut torques = vec![Vec::new(); seeds + 1];
     let mut nominal = vec![0_u32; seeds + 1];
-    world.drive(world.vehicles(seeds, 0.0)?, End::Distance(LENGTH_M), |vehicle, block, lane, time_s| {
-        let moment = Moment::of(block, lane, time_s);
-        paths[vehicle].push((moment.distance_m, moment.speed_mps));
-        nominal[vehicle] += u32::from(moment.alpha_ratio == 1.0);
-        if vehicle == 0 {
-            exact.push(moment);
-        }
-    })?;
+    let mut alpha_max = vec![1.0_f64; seeds + 1];
+    let outcomes =
+        world.drive(&world.trips(seeds, 0.0, End::Distance(LENGTH_M))?, |vehicle, block, lane, time_s| {
+            let moment = Moment::of(block, lane, time_s);
+            paths[vehicle].push((moment.distance_m, moment.speed_mps));
+            torques[vehicle].push((moment.distance_m, moment.front_wheel_nm));
+            nominal[vehicle] += u32::from(moment.alpha_ratio == 1.0);
+            if moment.speed_mps > moment.reference_mps {
+                alpha_max[vehicle] = alpha_max[vehicle].max(moment.alpha_ratio);
+            }
+            if vehicle == 0 {
+                exact.push(moment);
+            }
+        })?;
     let nominal = nominal.iter().zip(&paths).map(|(n, path)| f64::from(*n) / path.len() as f64).collect();
     let responses = paths.iter().map(|path| steps.map(|step| response(path, &step))).collect();
-    Ok(Drive { exact, responses, nominal })
+    let torque_settling_m = torques.iter().map(|path| steps.map(|step| torque_settling(path, &step))).collect();
+    Ok(Drive { exact, responses, torque_settling_m, nominal, alpha_max, outcomes })
 }
 
 /// The test under one preset.
@@ -116,7 +149,8 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
 
 fn numbers(rows: &Rows, drive: &Drive) -> Vec<Row> {
     let column = |of: &dyn Fn(&[Response; 2]) -> Option<f64>| drive.responses.iter().map(of).collect::<Vec<_>>();
-    let nominal: Vec<_> = drive.nominal.iter().map(|share| Some(*share)).collect();
+    let torque = |step: usize| drive.torque_settling_m.iter().map(|settling| settling[step]).collect::<Vec<_>>();
+    let known = |values: &[f64]| values.iter().copied().map(Some).collect::<Vec<_>>();
     [
         rows.of("overshoot_1", "%", &column(&|r| Some(r[0].overshoot))),
         rows.of("overshoot_2", "%", &column(&|r| Some(r[1].overshoot))),
@@ -124,7 +158,11 @@ fn numbers(rows: &Rows, drive: &Drive) -> Vec<Row> {
         rows.of("undershoot_2", "%", &column(&|r| Some(r[1].undershoot))),
         rows.of("settling_1", "m", &column(&|r| r[0].settling_m)),
         rows.of("settling_2", "m", &column(&|r| r[1].settling_m)),
-        rows.of("alpha_nominal_share", "1", &nominal),
+        rows.of("torque_settling_1", "m", &torque(0)),
+        rows.of("torque_settling_2", "m", &torque(1)),
+        rows.of("alpha_nominal_share", "1", &known(&drive.nominal)),
+        rows.of("alpha_ratio_max", "1", &known(&drive.alpha_max)),
+        rows.of("jerk_rms", "m/s3", &drive.outcomes.iter().map(|o| o.stats.jerk_rms).collect::<Vec<_>>()),
     ]
     .concat()
 }

@@ -5,6 +5,7 @@ use super::PaperError;
 use crate::cosim::bodies::{TypeFacts, vehicle};
 use crate::fleet::block::{Block, Bound, Follow};
 use crate::fleet::{Fleet, Slot, VehicleSetup};
+use crate::lanes::LANES;
 use crate::reference::{Profile, TARGETS, Target};
 use crate::registry::find;
 use crate::run::setup;
@@ -15,6 +16,9 @@ use std::sync::Arc;
 
 /// Nobody drives longer than this \[s\].
 const PATIENCE_S: f64 = 7200.0;
+
+/// Whether somebody is lost, on the road or in a state that is no number, is looked at once in so many periods.
+const LOOK_EVERY: u32 = 128;
 
 /// When a vehicle is done.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,6 +72,24 @@ pub struct Outcome {
     pub finished: bool,
 }
 
+/// One vehicle's drive.
+#[derive(Debug, Clone)]
+pub struct Trip {
+    /// What drives.
+    pub vehicle: VehicleSetup,
+    /// What it follows.
+    pub profile: Arc<Profile>,
+    /// When it is done.
+    pub end: End,
+}
+
+/// A trip under way.
+struct Ride {
+    trip: usize,
+    slot: Slot,
+    periods: u32,
+}
+
 /// Everything that is needed to let vehicles of a scenario drive.
 pub struct World<'a> {
     scenario: &'a Scenario,
@@ -89,67 +111,96 @@ impl<'a> World<'a> {
         Ok(Self { scenario, profile, along_track: false })
     }
 
-    /// One vehicle that measures without noise and `seeds` that do not, each with a stream of its own.
+    /// The trips of one vehicle that measures without noise and of `seeds` that do not, each with a stream of its own.
     ///
     /// # Errors
     /// [`PaperError`] if the scenario's body is none.
-    pub fn vehicles(&self, seeds: usize, speed_mps: f64) -> Result<Vec<VehicleSetup>, PaperError> {
+    pub fn trips(&self, seeds: usize, speed_mps: f64, end: End) -> Result<Vec<Trip>, PaperError> {
         let group = &self.scenario.groups[0];
         let make = |k: usize| {
             let seed = self.scenario.sumo.seed + k as u64;
             let setup = vehicle("ego", &TypeFacts::default(), &[], group, None, seed, speed_mps)?;
-            Ok(if k == 0 { VehicleSetup { noise: None, ..setup } } else { setup })
+            let setup = if k == 0 { VehicleSetup { noise: None, ..setup } } else { setup };
+            Ok(Trip { vehicle: setup, profile: Arc::clone(&self.profile), end })
         };
         (0..=seeds).map(make).collect()
     }
 
-    /// Lets the vehicles drive until each is at its end. In every period `watch` gets, for each vehicle still under way, its
-    /// number, its block and lane, and the time.
+    /// The trips of a profile that ends, from its own first speed to its end.
+    ///
+    /// # Errors
+    /// [`PaperError`] if the profile does not end or the scenario's body is none.
+    pub fn whole_trips(&self, seeds: usize) -> Result<Vec<Trip>, PaperError> {
+        let length = self.profile.length().ok_or(PaperError::NoProfile)?;
+        let end = if self.profile.is_by_time() { End::Time(length) } else { End::Distance(length) };
+        self.trips(seeds, self.profile.at(0.0, 0.0, 0.0).0, end)
+    }
+
+    /// Lets the vehicles drive until each is at its end. They share one block; when one is done, the next takes its slot, so
+    /// that all slots are busy until the last ones drive (the longest trips should come first). In every period `watch`
+    /// gets, for each vehicle under way, the number of its trip, its block and lane, and the time since its start.
     ///
     /// # Errors
     /// [`PaperError`] if the scenario's controller or plant is unknown.
     pub fn drive(
         &self,
-        vehicles: Vec<VehicleSetup>,
-        end: End,
+        trips: &[Trip],
         mut watch: impl FnMut(usize, &mut Block, usize, f64),
     ) -> Result<Vec<Outcome>, PaperError> {
         let period_s = self.scenario.control_period_s;
         let group = setup::block(&self.scenario.groups[0], period_s)?;
         let mut fleet = Fleet::new(setup::clockwork(self.scenario)?, vec![group]);
-        let mut active: Vec<(usize, Slot)> =
-            vehicles.into_iter().enumerate().map(|(i, v)| (i, fleet.admit(0, v))).collect();
-        for (_, slot) in &active {
-            fleet.block_mut(*slot).set_target(slot.lane(), f64::INFINITY, Bound::Profile);
-        }
-        let mut outcomes = vec![None; active.len()];
-        let mut periods = 0_u32;
-        while !active.is_empty() {
+        let mut profiles: [&Profile; LANES] = [&self.profile; LANES];
+        let mut waiting = 0..trips.len();
+        let mut rides: Vec<Ride> = Vec::with_capacity(LANES);
+        let mut outcomes = vec![None; trips.len()];
+        loop {
+            while rides.len() < LANES
+                && let Some(trip) = waiting.next()
+            {
+                let slot = start(&mut fleet, &trips[trip]);
+                profiles[slot.lane()] = &trips[trip].profile;
+                rides.push(Ride { trip, slot, periods: 0 });
+            }
+            if rides.is_empty() {
+                break;
+            }
             if self.along_track {
-                for (_, slot) in &active {
+                for Ride { slot, .. } in &rides {
                     let block = fleet.block_mut(*slot);
-                    let curvature = self.profile.curvature_at(block.distance_m(slot.lane()));
+                    let curvature = profiles[slot.lane()].curvature_at(block.distance_m(slot.lane()));
                     block.steering.set_curvature(slot.lane(), curvature);
                 }
             }
-            fleet.advance(1, |_| true, Follow::Profile(&self.profile));
-            periods += 1;
-            let time_s = f64::from(periods) * period_s;
-            active.retain(|&(vehicle, slot)| {
+            fleet.advance(1, |_| true, Follow::Profiles(&profiles));
+            rides.retain_mut(|ride| {
+                ride.periods += 1;
+                let (slot, lane) = (ride.slot, ride.slot.lane());
+                let time_s = f64::from(ride.periods) * period_s;
                 let block = fleet.block_mut(slot);
-                watch(vehicle, block, slot.lane(), time_s);
-                let sound = block.is_sound(slot.lane());
-                let there = match end {
-                    End::Distance(metres) => block.distance_m(slot.lane()) >= metres,
+                watch(ride.trip, block, lane, time_s);
+                let there = match trips[ride.trip].end {
+                    End::Distance(metres) => block.distance_m(lane) >= metres,
                     End::Time(seconds) => time_s >= seconds - 0.5 * period_s,
                 };
-                let goes_on = sound && !there && time_s < PATIENCE_S;
-                if !goes_on {
-                    outcomes[vehicle] = Some(Outcome { stats: fleet.release(slot), finished: sound && there });
+                let ends = there || ride.periods % LOOK_EVERY == 0 && (time_s >= PATIENCE_S || !block.is_sound(lane));
+                if ends {
+                    let finished = there && block.is_sound(lane);
+                    outcomes[ride.trip] = Some(Outcome { stats: fleet.release(slot), finished });
                 }
-                goes_on
+                !ends
             });
         }
         Ok(outcomes.into_iter().map(|o| o.expect("every vehicle ended")).collect())
     }
+}
+
+/// Puts the vehicle of a trip on a level, calm road.
+fn start(fleet: &mut Fleet, trip: &Trip) -> Slot {
+    let slot = fleet.admit(0, trip.vehicle.clone());
+    let (block, lane) = (fleet.block_mut(slot), slot.lane());
+    block.set_target(lane, f64::INFINITY, Bound::Profile);
+    let inputs = block.inputs_mut();
+    (inputs.grade_rad[lane], inputs.bank_rad[lane], inputs.headwind_mps[lane]) = (0.0, 0.0, 0.0);
+    slot
 }

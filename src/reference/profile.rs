@@ -1,6 +1,7 @@
 //! Speed profiles: linear between the points of a file, steps, a sine, each over position or over time.
 
 use super::ReferenceError;
+use super::index::Index;
 use super::recording::{self, RecordingOptions, Track};
 use crate::keys::{Key, Kind, Values};
 use std::f64::consts::TAU;
@@ -128,8 +129,8 @@ pub struct Profile {
 
 #[derive(Debug, Clone, PartialEq)]
 enum Shape {
-    /// Straight lines between points. Two points at the same place make a jump.
-    Lines(Vec<Point>),
+    /// Straight lines between points, each with the slope to the next. Two points at the same place make a jump.
+    Lines(Vec<(Point, f64)>, Index),
     /// Each speed holds from its place on.
     Steps(Vec<Point>),
     Sine {
@@ -160,7 +161,7 @@ impl Profile {
     /// [`ReferenceError::Read`] or [`ReferenceError::Content`] with file, line, column, what was found and what is wanted.
     pub fn from_file(path: &Path, options: &RecordingOptions) -> Result<Self, ReferenceError> {
         let (by, points, track) = recording::read(path, options)?;
-        Ok(Self { by, shape: Shape::Lines(points), track })
+        Ok(Self { by, shape: lines(&points), track })
     }
 
     /// Steps: `speeds_mps[i]` holds from `at[i]` (m or s) on, the first one before it as well.
@@ -209,14 +210,14 @@ impl Profile {
             Axis::Time => (time_s, 1.0),
         };
         let (speed, slope) = match &self.shape {
-            Shape::Lines(points) => on_lines(points, x),
+            Shape::Lines(points, index) => on_lines(points, index, x),
             Shape::Steps(points) => {
                 let next = points.partition_point(|p| p.at <= x);
                 (points[next.saturating_sub(1)].speed_mps, 0.0)
             }
             Shape::Sine { mean_mps, amplitude_mps, length } => {
-                let phase = TAU * x / length;
-                (mean_mps + amplitude_mps * libm::sin(phase), amplitude_mps * TAU / length * libm::cos(phase))
+                let (sin, cos) = libm::sincos(TAU * x / length);
+                (mean_mps + amplitude_mps * sin, amplitude_mps * TAU / length * cos)
             }
         };
         (speed, slope * x_rate)
@@ -231,7 +232,7 @@ impl Profile {
     /// and for steps, the last of which holds.
     pub fn length(&self) -> Option<f64> {
         match &self.shape {
-            Shape::Lines(points) => points.last().map(|p| p.at),
+            Shape::Lines(points, _) => points.last().map(|(p, _)| p.at),
             Shape::Steps(_) | Shape::Sine { .. } => None,
         }
     }
@@ -247,15 +248,23 @@ impl Profile {
     }
 }
 
+fn lines(points: &[Point]) -> Shape {
+    let index = Index::new(points.iter().map(|p| p.at));
+    let slope = |i: usize| match points.get(i + 1) {
+        Some(next) => (next.speed_mps - points[i].speed_mps) / (next.at - points[i].at),
+        None => 0.0,
+    };
+    Shape::Lines(points.iter().enumerate().map(|(i, point)| (*point, slope(i))).collect(), index)
+}
+
 /// Speed [m/s] and slope [m/s per unit of the axis] at `x`.
-fn on_lines(points: &[Point], x: f64) -> (f64, f64) {
-    let next = points.partition_point(|p| p.at <= x);
-    match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
-        (Some(a), Some(b)) => {
-            let slope = (b.speed_mps - a.speed_mps) / (b.at - a.at);
-            (a.speed_mps + slope * (x - a.at), slope)
+fn on_lines(points: &[(Point, f64)], index: &Index, x: f64) -> (f64, f64) {
+    match index.count_up_to(x, |i| points[i].0.at) {
+        0 => (points.first().map_or(0.0, |(p, _)| p.speed_mps), 0.0),
+        after if after == points.len() => (points[after - 1].0.speed_mps, 0.0),
+        after => {
+            let (from, slope) = points[after - 1];
+            (from.speed_mps + slope * (x - from.at), slope)
         }
-        (Some(outside), None) => (outside.speed_mps, 0.0),
-        (None, first) => (first.map_or(0.0, |p| p.speed_mps), 0.0),
     }
 }
