@@ -10,7 +10,7 @@
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
 //! 1  fleet                                     the closed loop on columns; where floor-0 rooms meet
-//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes registry random stopwatch
+//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes registry random stopwatch trig
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
@@ -33,3 +33,4 @@ pub mod scenario;
 pub mod stats;
 pub mod stopwatch;
 pub mod traci;
+pub mod trig;

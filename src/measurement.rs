@@ -3,7 +3,7 @@
 
 use crate::keys::{Key, Kind};
 use crate::lanes::{Flags, LANES, Lanes};
-use crate::random::Stream;
+use crate::random::{Stream, normals};
 
 /// Keys of the noise on the measured speed.
 pub const KEYS: &[Key] = &[Key {
@@ -34,18 +34,26 @@ impl Measurement {
     /// Gives a slot the noise of a new vehicle, or none.
     pub fn set(&mut self, slot: usize, stream: Option<Stream>, sigma_mps: f64) {
         self.streams[slot] = stream;
-        self.sigma_mps[slot] = sigma_mps;
+        self.sigma_mps[slot] = if self.streams[slot].is_some() { sigma_mps } else { 0.0 };
     }
 
     /// The measured speeds of this control period [m/s]. Where `noisy` is 0, for a vehicle that stands, the true speed is
     /// returned, but the draw is made all the same: the n-th draw then belongs to the n-th period of the vehicle's
     /// life whatever the controller, and runs with different controllers meet the same noise.
     pub fn measure(&mut self, true_mps: &Lanes, noisy: &Flags) -> Lanes {
+        let (mut first, mut second, mut normal) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         let mut measured = *true_mps;
+        if self.streams.iter().all(Option::is_none) {
+            return measured;
+        }
         for (i, stream) in self.streams.iter_mut().enumerate() {
             if let Some(stream) = stream {
-                measured[i] += self.sigma_mps[i] * noisy[i] * stream.normal();
+                (first[i], second[i]) = (stream.uniform(), stream.uniform());
             }
+        }
+        normals(&first, &second, &mut normal);
+        for i in 0..LANES {
+            measured[i] += self.sigma_mps[i] * noisy[i] * normal[i];
         }
         measured
     }

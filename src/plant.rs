@@ -13,18 +13,17 @@ mod loops;
 pub mod oracle;
 mod point_mass;
 pub mod seven_dof;
-pub mod trig;
 pub mod tyre;
 
 use crate::keys::{Key, Kind, Values};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::registry::Entry;
+use crate::trig::{self, Libm};
 pub use actuator::{Actuated, Actuators};
 pub use body::{BODIES, BODY_KEYS, Body};
 use integrator::Moment;
 pub use kernel::SevenDof;
 use seven_dof::{CAR_COLUMNS, Car, Drive, sine_and_cosine, slips};
-use trig::Libm;
 
 /// State of motion of one vehicle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -31,7 +31,7 @@ const FLOORS: &[(&str, u8)] = &[
 ];
 
 /// Imported by every room; they import only each other.
-const COMMON_GROUND: &[&str] = &["keys", "lanes", "random", "registry", "stopwatch"];
+const COMMON_GROUND: &[&str] = &["keys", "lanes", "random", "registry", "stopwatch", "trig"];
 
 /// Rooms or files (path below src/ without `.rs`) that may name tokio.
 const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "doctor", "cli", "main"];
@@ -301,7 +301,8 @@ fn law_results_use_no_platform_mathematics() {
     ];
     let calls: Vec<String> = words.iter().flat_map(|w| [format!(".{w}("), format!("f64::{w}")]).collect();
     let calls: Vec<&str> = calls.iter().map(String::as_str).collect();
-    let rooms = ["plant", "control", "measurement", "reference", "stats", "fleet", "cosim", "random", "lanes", "paper"];
+    let rooms =
+        ["plant", "control", "measurement", "reference", "stats", "fleet", "cosim", "random", "lanes", "paper", "trig"];
     let wrong = sources();
     let wrong: Vec<String> = wrong
         .iter()

@@ -5,7 +5,7 @@
 //! that of the steady turn, δ = atan(Lκ) + K_us·a_y with a_y = V²κ (single-track model, ISO 8855 signs: left is positive).
 
 use crate::lanes::{LANES, Lanes, vectorised};
-use crate::plant::trig::{Polynomial, Trig};
+use crate::trig::{Polynomial, Trig};
 
 /// Length constant of the curvature filter \[m\].
 pub const SMOOTHING_M: f64 = 3.0;

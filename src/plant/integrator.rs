@@ -21,7 +21,7 @@
 //! root of 2x² + 4x + 12: one division for both.
 
 use super::seven_dof::{Car, Drive, Forces, Vector, larger, peaks, rates, road_forces, tyre_forces};
-use super::trig::{Trig, choose};
+use crate::trig::{Trig, choose};
 
 /// γ = 1 − 1/√2: of the two values that make the method L-stable the one with the smaller error.
 const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;

@@ -10,9 +10,9 @@ use std::cell::RefCell;
 use super::integrator::substep;
 use super::loops::{Workspace, advance_lanes};
 use super::seven_dof::{Car, Drive, sine_and_cosine};
-use super::trig::Libm;
 use super::{Inputs, Plant, PlantBlock};
 use crate::lanes::{Flags, LANES, vectorised};
+use crate::trig::Libm;
 
 /// The 7-DoF model of [`super::seven_dof`], integrated by [`super::integrator`].
 ///

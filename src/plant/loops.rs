@@ -9,10 +9,10 @@
 
 use super::integrator::{Half, Moment, first_stage, second_stage};
 use super::seven_dof::{Car, Drive, Forces, Grip, Slips, forces, left_across, peaks, sine_and_cosine, slips};
-use super::trig::{Polynomial, Trig};
 use super::tyre::Tyre;
 use super::{Inputs, PlantBlock};
 use crate::lanes::{Flags, LANES, Lanes};
+use crate::trig::{Polynomial, Trig};
 
 /// Numbers that one loop over the lanes leaves to the next.
 #[repr(align(64))]

@@ -15,9 +15,9 @@ use nalgebra::{SMatrix, SVector};
 use super::integrator::{HOLD_MPS, Moment, finish, wheel_torques};
 use super::kernel::acting;
 use super::seven_dof::{Car, Drive, Vector, peaks, rates, tyre_forces};
-use super::trig::Libm;
 use super::{Inputs, Plant, PlantBlock};
 use crate::lanes::{Flags, LANES};
+use crate::trig::Libm;
 
 /// The shortest step \[s\]; what still disagrees there is a kink of the model, not an error.
 const SHORTEST_S: f64 = 1e-7;

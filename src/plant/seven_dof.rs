@@ -24,9 +24,9 @@
 
 use super::axle::Axle;
 use super::body::{AIR_DENSITY_KGPM3, Body, GRAVITY_MPS2};
-use super::trig::{Trig, choose};
 use super::tyre::Tyre;
 use crate::lanes::Lanes;
+use crate::trig::{Trig, choose};
 
 /// Smallest speed in the denominators of slip ratio and slip angle [m/s].
 pub const FLOOR_MPS: f64 = 0.3;
@@ -384,9 +384,9 @@ pub fn rates(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, torque: &[f6
 #[cfg(test)]
 mod tests {
     use super::super::body::BODIES;
-    use super::super::trig::Libm;
     use super::*;
     use crate::lanes::LANES;
+    use crate::trig::Libm;
 
     fn every_car() -> impl Iterator<Item = Car> {
         BODIES.iter().map(|entry| {

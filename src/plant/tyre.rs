@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::trig::{Libm, Trig};
+use crate::trig::{Libm, Trig};
 
 /// Shape of a tyre characteristic; the peak D = μ F_z belongs to the wheel, not to the shape.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,10 +10,10 @@ use sumo_mfc::fleet::steering::Steering;
 use sumo_mfc::fleet::{ActuatorSetup, Clockwork, Fleet, GroupSetup, Slot, VehicleSetup};
 use sumo_mfc::keys::Values;
 use sumo_mfc::lanes::{InstructionSet, LANES};
-use sumo_mfc::plant::trig::Polynomial;
 use sumo_mfc::plant::{Actuators, BODIES, SevenDof};
 use sumo_mfc::registry::find;
 use sumo_mfc::stats::{Sample, StatsBlock};
+use sumo_mfc::trig::Polynomial;
 
 const LAWS: [&str; 5] = ["adaptive", "classic", "calibrating", "pid", "ideal"];
 /// Control periods of a SUMO step of 0.1 s.

@@ -1,4 +1,4 @@
-//! The two functions of the tyre model, twice: as branch-free polynomials that turn into vector code and give the same
+//! The functions of tyre model and noise, twice: as branch-free polynomials that turn into vector code and give the same
 //! bits on every machine, and from the `libm` crate as the oracle of the first.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -17,9 +17,11 @@ pub trait Trig {
     fn atan(x: f64) -> f64;
     /// sin(x), |x| ≤ 3π/2.
     fn sin(x: f64) -> f64;
+    /// ln(x), x positive and not subnormal.
+    fn ln(x: f64) -> f64;
 }
 
-/// Polynomials without branches, error below 1e-14 absolute for `atan`, below 1e-15 for `sin`.
+/// Polynomials without branches, error below 1e-14 absolute for `atan`, below 1e-15 for `sin`, 1e-15 relative for `ln`.
 pub struct Polynomial;
 
 /// The crate `libm`.
@@ -32,6 +34,10 @@ impl Trig for Libm {
 
     fn sin(x: f64) -> f64 {
         libm::sin(x)
+    }
+
+    fn ln(x: f64) -> f64 {
+        libm::log(x)
     }
 }
 
@@ -90,6 +96,24 @@ impl Trig for Polynomial {
         let u2 = u * u;
         signed(folded * (quad(&SIN, 0, u, u2) + quad(&SIN, 4, u, u2) * (u2 * u2)), x)
     }
+
+    /// x = m 2^e with √½ ≤ m < √2; ln m = 2 atanh t, t = (m − 1)/(m + 1), by its series.
+    #[inline(always)]
+    fn ln(x: f64) -> f64 {
+        const ROOT_HALF: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+        const MANTISSA: u64 = (1 << 52) - 1;
+        const TWO_52: f64 = 4_503_599_627_370_496.0;
+        let shifted = x.to_bits() + (1_f64.to_bits() - ROOT_HALF);
+        let m = f64::from_bits((shifted & MANTISSA) + ROOT_HALF);
+        let e = f64::from_bits((shifted >> 52) | TWO_52.to_bits()) - (TWO_52 + 1023.0);
+        let t = (m - 1.0) / (m + 1.0);
+        let u = t * t;
+        let mut sum = 1.0 / 21.0;
+        for odd in [19.0, 17.0, 15.0, 13.0, 11.0, 9.0, 7.0, 5.0, 3.0, 1.0] {
+            sum = sum * u + 1.0 / odd;
+        }
+        2.0 * t * sum + e * std::f64::consts::LN_2
+    }
 }
 
 /// a with its sign turned round where x has one.
@@ -127,6 +151,21 @@ mod tests {
             let x = 1.5 * PI * t;
             assert!((Polynomial::sin(x) - Libm::sin(x)).abs() < 1e-14, "sin({x})");
         }
+    }
+
+    #[test]
+    fn val_logarithms_agree_with_libm() {
+        let step = 0x0009_1234_5678_9abc_u64;
+        for bits in (1e-300_f64.to_bits()..1e300_f64.to_bits()).step_by(step as usize) {
+            let x = f64::from_bits(bits);
+            assert!((Polynomial::ln(x) / Libm::ln(x) - 1.0).abs() < 1e-15, "ln({x})");
+        }
+        for k in 1..100_000 {
+            // As far below 1 as a uniform number's step, where the logarithm is nearly 0.
+            let x = 1.0 - f64::from(k) * f64::EPSILON;
+            assert!((Polynomial::ln(x) / Libm::ln(x) - 1.0).abs() < 1e-15, "ln({x})");
+        }
+        assert_eq!(Polynomial::ln(1.0), 0.0);
     }
 
     #[test]
