@@ -3,13 +3,13 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .PHONY: help demo test bench setup setup-test clean
 
-controllers ?= ideal,classic,adaptive,pid
+controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
 
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
 
-demo: ## Every car of a city with a real body: compare four controllers, print one table
+demo: ## Every car of a city with a real body: compare five controllers, print one table
 	cargo build --release --locked
 	.ci/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds) -j 2 --force
 

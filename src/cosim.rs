@@ -158,6 +158,9 @@ pub struct World {
     /// shared, and the console not ours, vehicles are subscribed to.
     convoys: Vec<Convoy>,
     convoys_for: u64,
+    /// Asks for odometers and roads, and who it is about; empty if nothing is under way.
+    readings: Batch,
+    read: Vec<EgoKey>,
     /// Questions about vehicles that have departed, under way; and the answers that are there.
     asked: Vec<Questions>,
     facts: Vec<Facts>,
@@ -202,6 +205,8 @@ impl World {
             fault: setup.fault,
             convoys: Vec::new(),
             convoys_for: 0,
+            readings: Batch::new(),
+            read: Vec::new(),
             asked: Vec::new(),
             facts: Vec::new(),
             newcomers: Vec::new(),
@@ -224,12 +229,9 @@ impl World {
     pub async fn step(&mut self) -> Result<(), CosimError> {
         self.admit_waiting().await?;
         self.learn_lane_limits().await?;
-        if self.state.reads_now() {
-            self.state.note_distances();
-        }
         self.state.advance_leaders();
-        let readings = self.compose()?;
-        self.ask(readings).await?;
+        self.compose()?;
+        self.ask().await?;
         let follow = if self.fault == Fault::StepReference { Follow::Target } else { Follow::Traffic };
         // A collision and a teleport are about vehicles that are in other convoys: then all is heard first.
         let at_once = !self.subscribes() && self.state.is_quiet();
@@ -251,6 +253,7 @@ impl World {
         } else {
             self.ask_about_newcomers().await?;
         }
+        self.ask_for_readings().await?;
         for place in 0..self.convoys.len() {
             if at_once {
                 self.hear(place).await?;
@@ -259,11 +262,12 @@ impl World {
             self.state.advance_followers(convoy::blocks(place), &self.convoys[place].members, follow);
             self.tell(place).await?;
         }
-        self.hear_of_newcomers().await
+        self.hear_of_newcomers().await?;
+        self.hear_readings().await
     }
 
     /// Sends what was composed and reads what the step says.
-    async fn ask(&mut self, readings: Option<usize>) -> Result<(), CosimError> {
+    async fn ask(&mut self) -> Result<(), CosimError> {
         let step_apart = self.step_apart.as_ref();
         let first = Some(&self.batch).filter(|batch| !batch.is_empty());
         let told = self.client.under_way();
@@ -285,9 +289,6 @@ impl World {
         }
         if first.is_some() {
             let answers = self.client.receive().await?;
-            if let Some(first_reading) = readings {
-                self.state.take_readings(&answers, first_reading);
-            }
             if step_apart.is_none() {
                 return self.state.absorb(&answers);
             }
@@ -327,8 +328,40 @@ impl World {
         Ok(())
     }
 
-    /// Writes the message of a step. Returns the number of the first reading, if this step reads odometers and roads.
-    fn compose(&mut self) -> Result<Option<usize>, CosimError> {
+    /// Asks for odometers and roads, once a second. SUMO looks them up while the bodies drive to the same instant.
+    async fn ask_for_readings(&mut self) -> Result<(), CosimError> {
+        if self.state.reads_now() {
+            self.compose_readings()?;
+            if !self.readings.is_empty() {
+                self.client.send([&self.readings]).await?;
+            }
+        }
+        Ok(())
+    }
+
+    fn compose_readings(&mut self) -> Result<(), CosimError> {
+        self.readings.clear();
+        self.read.clear();
+        for key in self.state.book.keys() {
+            let prefix = &self.state.book[*key].prefix;
+            self.readings.get_by_prefix(traci::vehicle::DISTANCE, prefix)?;
+            self.readings.get_by_prefix(traci::vehicle::ROAD, prefix)?;
+            self.read.push(*key);
+        }
+        Ok(())
+    }
+
+    async fn hear_readings(&mut self) -> Result<(), CosimError> {
+        if !self.read.is_empty() {
+            let reply = self.client.receive().await?;
+            self.state.take_readings(&self.read, &reply);
+            self.read.clear();
+        }
+        Ok(())
+    }
+
+    /// Writes the message of a step.
+    fn compose(&mut self) -> Result<(), CosimError> {
         self.batch.clear();
         let newcomers = std::mem::take(&mut self.newcomers);
         let state = &self.state;
@@ -337,13 +370,6 @@ impl World {
         }
         self.put_speeds()?;
         let state = &self.state;
-        let readings = if state.reads_now() { Some(self.batch.len()) } else { None };
-        if readings.is_some() {
-            for ego in state.book.iter() {
-                self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
-                self.batch.get_by_prefix(traci::vehicle::ROAD, &ego.prefix)?;
-            }
-        }
         let to_subscribe = if self.subscribes() { &newcomers[..] } else { &[] };
         for key in to_subscribe {
             let ego = &state.book[*key];
@@ -357,7 +383,7 @@ impl World {
         if self.step_apart.is_none() {
             self.batch.step()?;
         }
-        Ok(readings)
+        Ok(())
     }
 
     /// True if vehicles are read by subscriptions: a shared SUMO, or the fault that reads something else.
@@ -406,12 +432,12 @@ impl World {
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
         // Who departed in the last step has a record too, without samples.
         self.admit_waiting().await?;
-        self.state.note_distances();
-        self.batch.clear();
-        for ego in self.state.book.iter() {
-            self.batch.get_by_prefix(traci::vehicle::DISTANCE, &ego.prefix)?;
-            self.batch.get_by_prefix(traci::vehicle::ROAD, &ego.prefix)?;
+        self.compose_readings()?;
+        if !self.readings.is_empty() {
+            let reply = self.client.exchange(&self.readings).await?;
+            self.state.take_readings(&self.read, &reply);
         }
+        self.batch.clear();
         for ego in self.state.book.iter() {
             lead::hand_back(&mut self.batch, ego)?;
             if self.subscribes() {
@@ -419,8 +445,7 @@ impl World {
             }
         }
         self.batch.unsubscribe(Domain::Simulation, "")?;
-        let reply = self.client.exchange(&self.batch).await?;
-        self.state.take_readings(&reply, 0);
+        self.client.exchange(&self.batch).await?;
         self.state.end_all(Reason::Running);
         Ok(())
     }

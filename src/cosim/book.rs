@@ -60,8 +60,6 @@ pub struct Ego {
     pub teleported: bool,
     /// SUMO's odometer minus the plant's when the ego was admitted \[m\].
     pub odometer_offset_m: f64,
-    /// The plant's odometer at the end of SUMO's last step; a leading plant is one step ahead of it \[m\].
-    pub distance_m: f64,
     /// SUMO's odometer minus the plant's, as last read \[m\].
     pub odometer_gap_m: Option<f64>,
     /// Index of the road it was last seen on, in the world's table of roads.

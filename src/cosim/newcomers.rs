@@ -194,7 +194,6 @@ impl World {
             presence: Presence::Driving,
             teleported: false,
             odometer_offset_m: vehicle.odometer_m,
-            distance_m: 0.0,
             odometer_gap_m: None,
             edge: None,
             lead,

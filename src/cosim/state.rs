@@ -152,7 +152,7 @@ impl State {
         self.step > 0
     }
 
-    /// True if the message of the coming step asks for odometers and roads: once a second.
+    /// True if odometers and roads are to be read at the end of the step just made: once a second.
     pub(super) fn reads_now(&self) -> bool {
         self.step.is_multiple_of(self.read_every)
     }
@@ -353,14 +353,6 @@ impl State {
         }
     }
 
-    /// Notes how far every plant has come, to be compared with SUMO's odometers at the same instant.
-    pub(super) fn note_distances(&mut self) {
-        for index in 0..self.book.len() {
-            let ego = self.book.at(index);
-            ego.distance_m = self.fleet.block(ego.slot).distance_m(ego.slot.lane());
-        }
-    }
-
     /// Leaders drive the coming step: the body first, SUMO after it.
     pub(super) fn advance_leaders(&mut self) {
         if self.targets.iter().all(|t| matches!(t, Target::Traffic)) {
@@ -412,16 +404,19 @@ impl State {
         }
     }
 
-    /// Odometers and roads, asked for from command `first` on, two commands per ego in order.
-    pub(super) fn take_readings(&mut self, reply: &Reply<'_>, first: usize) {
-        for index in 0..self.book.len() {
-            let ego = self.book.at(index);
+    /// Odometers and roads of egos, two answers each in order; bodies and SUMO's cars are at the same instant.
+    pub(super) fn take_readings(&mut self, egos: &[EgoKey], reply: &Reply<'_>) {
+        for (index, key) in egos.iter().enumerate() {
+            if !self.book.contains(*key) {
+                continue;
+            }
+            let ego = &mut self.book[*key];
             let lane = ego.slot.lane();
             let block = self.fleet.block_mut(ego.slot);
-            if let Some(odometer_m) = reply.f64(first + 2 * index) {
-                ego.odometer_gap_m = Some(odometer_m - ego.odometer_offset_m - ego.distance_m);
+            if let Some(odometer_m) = reply.f64(2 * index) {
+                ego.odometer_gap_m = Some(odometer_m - ego.odometer_offset_m - block.distance_m(lane));
             }
-            if let Some(road) = reply.text(first + 2 * index + 1).filter(|r| !r.is_empty()) {
+            if let Some(road) = reply.text(2 * index + 1).filter(|r| !r.is_empty()) {
                 let sums = block.take_sums(lane);
                 let edge = self.roads.index(road);
                 ego.edge = Some(edge);
