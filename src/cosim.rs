@@ -27,7 +27,7 @@ mod seen;
 pub mod self_check;
 pub mod state;
 
-use crate::fleet::block::Follow;
+use crate::fleet::follow::Follow;
 use crate::fleet::{Clockwork, GroupSetup};
 use crate::output::Reason;
 use crate::plant::tyre::TyreError;

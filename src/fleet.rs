@@ -6,6 +6,7 @@
 //! results stay the same to the last bit.
 
 pub mod block;
+pub mod follow;
 pub mod steering;
 
 use crate::control::Controller;
@@ -14,7 +15,8 @@ use crate::plant::{Body, Plant};
 use crate::random::Stream;
 use crate::stats::VehicleStats;
 use crate::stopwatch::Stopwatch;
-use block::{Block, Follow};
+use block::Block;
+use follow::Follow;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Duration;

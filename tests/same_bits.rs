@@ -1,7 +1,7 @@
 //! The same bits whatever the machine has: every instruction set, any number of threads, any place in the fleet.
 
 use sumo_mfc::control::CONTROLLERS;
-use sumo_mfc::fleet::block::{Bound, Follow};
+use sumo_mfc::fleet::follow::{Bound, Follow};
 use sumo_mfc::fleet::{ActuatorSetup, Clockwork, Fleet, GroupSetup, Slot, VehicleSetup};
 use sumo_mfc::keys::Values;
 use sumo_mfc::lanes::InstructionSet;

@@ -6,7 +6,7 @@ use super::convoy::Member;
 use super::roads::Roads;
 use super::seen::{Seen, Values, seen};
 use super::{CosimError, variable};
-use crate::fleet::block::{Bound, Follow};
+use crate::fleet::follow::{Bound, Follow};
 use crate::fleet::{self, Clockwork, Fleet, GroupSetup};
 use crate::output::Reason;
 use crate::reference::Target;

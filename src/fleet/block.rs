@@ -1,13 +1,13 @@
 //! Sixteen vehicles side by side: their plant, controller, actuators, measurement and statistics, and the order in
 //! which these work in one control period.
 
+use super::follow::{Bound, Follow};
 use super::steering::Steering;
 use super::{Clockwork, VehicleSetup};
 use crate::control::{Actuation, Command, Controller, Observation};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
 use crate::plant::{Actuators, Inputs, PlantBlock, State};
-use crate::reference::Profile;
 use crate::stats::{Sample, StatsBlock, StepSample, Sums, VehicleStats};
 use crate::stopwatch::Stopwatch;
 
@@ -16,32 +16,6 @@ pub const HOLD_BELOW_MPS: f64 = 0.05;
 
 /// From this share of accel on, SUMO's demand counts as all that the driver gives.
 const DRIVER_LIMIT: f64 = 0.999;
-
-/// Where the reference of a step comes from.
-#[derive(Clone, Copy)]
-pub enum Follow<'a> {
-    /// SUMO chose a speed for the end of the step; the reference is the ramp to it.
-    Traffic,
-    /// The target speed is held for the whole step; it may have jumped.
-    Target,
-    /// A profile over the vehicle's own distance or time, never above the target speed.
-    Profile(&'a Profile),
-    /// The same with a profile for each slot.
-    Profiles(&'a [&'a Profile; LANES]),
-}
-
-/// What bound the target of a slot in the running step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bound {
-    /// SUMO's own choice.
-    Traffic,
-    /// The lane's limit.
-    Limit,
-    /// The profile.
-    Profile,
-    /// SUMO clamped the commanded speed.
-    Clamp,
-}
 
 /// The parts of a block's work, as its stopwatch books them.
 pub(super) const CONTROL: usize = 0;

@@ -3,7 +3,8 @@
 
 use super::PaperError;
 use crate::cosim::bodies::{TypeFacts, vehicle};
-use crate::fleet::block::{Block, Bound, Follow};
+use crate::fleet::block::Block;
+use crate::fleet::follow::{Bound, Follow};
 use crate::fleet::{Fleet, Slot, VehicleSetup};
 use crate::lanes::LANES;
 use crate::reference::{Profile, TARGETS, Target};

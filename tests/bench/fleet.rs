@@ -5,7 +5,7 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use sumo_mfc::control::{Actuation, CONTROLLERS, Command, Controller, Observation};
-use sumo_mfc::fleet::block::{Bound, Follow};
+use sumo_mfc::fleet::follow::{Bound, Follow};
 use sumo_mfc::fleet::steering::Steering;
 use sumo_mfc::fleet::{ActuatorSetup, Clockwork, Fleet, GroupSetup, Slot, VehicleSetup};
 use sumo_mfc::keys::Values;
