@@ -7,7 +7,7 @@
 //! 3. Body and controller run the *same* interval after the reply, along the ramp to v* (see
 //!    [`crate::fleet::block`]). The speed they reach is sent at once.
 //!
-//! The egos go through 2 and 3 in companies ([`convoy`]): SUMO looks up and takes the values of one while the bodies of
+//! The egos go through 2 and 3 in companies (`convoy`): SUMO looks up and takes the values of one while the bodies of
 //! another drive. Nothing waits for SUMO but the step itself.
 //!
 //! The two loops that come to mind first do not work: commanding `setSpeed` with a speed derived from SUMO's "speed

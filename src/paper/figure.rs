@@ -20,6 +20,7 @@ pub const STYLE: &str = "\
 .fig path{fill:none;stroke-width:1.8;stroke-linejoin:round}\
 .fig .reference{stroke:#5b6675;stroke-dasharray:5 4;stroke-width:1.4}\
 .fig .classic{stroke:#d1610a}.fig .adaptive{stroke:#1765ad}.fig .pid{stroke:#2e8540}.fig .ideal{stroke:#7a4fb5}\
+.fig .calibrating{stroke:#a02c8c}.fig circle.calibrating,.fig rect.calibrating{fill:#a02c8c}\
 .fig .law{stroke:#1c2430;stroke-width:1.6}.fig circle.classic{fill:#d1610a}.fig circle.adaptive{fill:#1765ad}\
 .fig circle.pid{fill:#2e8540}.fig circle.mark{fill:none;stroke:#c2185b;stroke-width:3}\
 .fig rect.classic{fill:#d1610a}.fig rect.adaptive{fill:#1765ad}.fig rect.pid{fill:#2e8540}.fig .bar{stroke:none}\
@@ -27,6 +28,7 @@ pub const STYLE: &str = "\
 @media(prefers-color-scheme:dark){.fig{color:#e4e9f0;background:#151a21}.fig .soft{fill:#9aa7b8}.fig .grid{stroke:#2a323d}\
 .fig .axis{stroke:#66717f}.fig .plot{fill:#1a2029}.fig .reference{stroke:#9aa7b8}.fig .classic{stroke:#ff9d4d}\
 .fig .adaptive{stroke:#5fb0f5}.fig .pid{stroke:#63c97c}.fig .ideal{stroke:#b99af0}.fig .law{stroke:#e4e9f0}\
+.fig .calibrating{stroke:#f08ad8}.fig circle.calibrating,.fig rect.calibrating{fill:#f08ad8}\
 .fig circle.classic{fill:#ff9d4d}.fig circle.adaptive{fill:#5fb0f5}.fig circle.pid{fill:#63c97c}\
 .fig rect.classic{fill:#ff9d4d}.fig rect.adaptive{fill:#5fb0f5}.fig rect.pid{fill:#63c97c}\
 .fig circle.mark,.fig rect.mark{stroke:#ff6fa3}.fig .cell{fill:#14181f}}";
@@ -43,11 +45,13 @@ pub struct Figure {
     height: f64,
 }
 
-/// A line or a set of points; its name is its class.
+/// A line or a set of points.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curve {
-    /// Name in the legend and class of the style.
+    /// Name in the legend.
     pub name: String,
+    /// Class of the style; a controller's is its name.
+    pub class: String,
     /// Points.
     pub points: Vec<(f64, f64)>,
     /// Dots instead of a line.
@@ -57,12 +61,17 @@ pub struct Curve {
 impl Curve {
     /// A line.
     pub fn of(name: &str, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.to_owned(), points, dots: false }
+        Self { name: name.to_owned(), class: name.to_owned(), points, dots: false }
     }
 
     /// Dots.
     pub fn dots(name: &str, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.to_owned(), points, dots: true }
+        Self { dots: true, ..Self::of(name, points) }
+    }
+
+    /// In the style of another class than its name.
+    pub fn in_style(self, class: &str) -> Self {
+        Self { class: class.to_owned(), ..self }
     }
 }
 
@@ -287,9 +296,8 @@ fn frame(chart: &Chart, x: &Scale, y: &Scale) -> String {
 
 fn legend(out: &mut String, curves: &[Curve]) {
     let mut x = LEFT;
-    for curve in curves.iter().filter(|c| c.name != "mark") {
-        let name = escape(&curve.name);
-        let class = name.split(' ').next().unwrap_or_default();
+    for curve in curves {
+        let (name, class) = (escape(&curve.name), escape(&curve.class));
         let (end, text) = (x + 22.0, x + 28.0);
         if curve.dots {
             let _ = write!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"38\" r=\"4\"/>", x + 11.0);
@@ -302,7 +310,7 @@ fn legend(out: &mut String, curves: &[Curve]) {
 }
 
 fn draw(out: &mut String, curve: &Curve, x: &Scale, y: &Scale) {
-    let class = escape(curve.name.split(' ').next().unwrap_or_default());
+    let class = escape(&curve.class);
     let points: Vec<(f64, f64)> = curve
         .points
         .iter()
@@ -336,4 +344,16 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         if low.0 <= high.0 { [*low, *high] } else { [*high, *low] }
     });
     extremes.chain(points.last().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_controller_has_a_colour_in_light_and_dark() {
+        for entry in crate::control::CONTROLLERS {
+            assert_eq!(STYLE.matches(&format!(".{}{{stroke", entry.name)).count(), 2, "{}", entry.name);
+        }
+    }
 }

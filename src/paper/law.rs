@@ -125,10 +125,10 @@ pub fn run(lab: &Lab, preset: &Preset, results: &Results) -> Result<Finding, Pap
         x: "square root of dt/T",
         y: "ratio",
         curves: vec![
-            Curve::of("law 2 sqrt(dt/T)", line),
-            Curve::dots("adaptive measured, b/alpha = 0.004", measured),
-            Curve::dots("pid presets, first step", presets),
-            Curve::dots("mark published ratios", published),
+            Curve::of("law 2 sqrt(dt/T)", line).in_style("law"),
+            Curve::dots("measured, b/alpha = 0.004", measured).in_style("adaptive"),
+            Curve::dots("presets", presets).in_style("pid"),
+            Curve::dots("published", published).in_style("mark"),
         ],
         isotropic: false,
     };
