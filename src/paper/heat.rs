@@ -61,7 +61,9 @@ impl Figure {
             let place = Place { left, bottom, width: width / panel.columns.len() as f64, height: cell_height };
             draw_panel(&mut body, panel, &place, p == 0);
         }
-        let (middle, low) = (0.5 * (LEFT + WIDTH), bottom + 62.0);
+        // The names of the columns hang down at 60 degrees.
+        let longest = heat.panels.iter().flat_map(|p| &p.columns).map(|c| c.chars().count()).max().unwrap_or(0);
+        let (middle, low) = (0.5 * (LEFT + WIDTH), bottom + (26.0 + 5.0 * longest as f64).max(62.0));
         let _ = write!(body, "<text x=\"{middle}\" y=\"{low}\" text-anchor=\"middle\">{}</text>", escape(heat.x));
         let middle = 0.5 * (TOP + bottom);
         let _ = write!(
