@@ -1,13 +1,48 @@
 //! Cost of the plant: one block of 16 vehicles, one control period of 10 ms, per instruction set and substep.
-//! `cargo bench --bench plant`; divide by 16 for one vehicle (the item throughput says it directly).
+//! `cargo bench --bench plant`. At the end one line for each instruction set: what one vehicle costs in a simulated
+//! millisecond, side by side with the scalar code.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
+use std::time::Instant;
 use sumo_mfc::lanes::{InstructionSet, LANES};
 use sumo_mfc::plant::{Inputs, Plant, PlantBlock, SevenDof, State};
 
 fn main() {
     divan::main();
+    let (mut block, inputs) = town();
+    let plant = SevenDof::new(0.01);
+    let mut costs_ns = Vec::new();
+    for _ in 0..ROUNDS {
+        let mut round = vec![ns_per_call(|| plant.advance_scalar(&mut block, &inputs, &[1.0; LANES], 0.01))];
+        for set in InstructionSet::available() {
+            let advance = || plant.advance(black_box(&mut block), black_box(&inputs), &[1.0; LANES], 0.01);
+            round.push(set.during(|| ns_per_call(advance)));
+        }
+        costs_ns.push(round);
+    }
+    let names = InstructionSet::available().into_iter().map(|set| format!("{set:?}"));
+    for (i, name) in ["scalar".to_owned()].into_iter().chain(names).enumerate() {
+        // Of a block of 16 and 10 ms to one vehicle and millisecond.
+        let cost_ns = median(costs_ns.iter().map(|round| round[i] / (10 * LANES) as f64));
+        let gain = median(costs_ns.iter().map(|round| round[0] / round[i]));
+        println!("plant {name:9} {cost_ns:6.1} ns per vehicle and ms, {gain:4.1} times as fast as the scalar code");
+    }
+}
+
+const ROUNDS: usize = 31;
+
+fn ns_per_call(mut call: impl FnMut()) -> f64 {
+    const CALLS: u32 = 1000;
+    let begin = Instant::now();
+    (0..CALLS).for_each(|_| call());
+    begin.elapsed().as_nanos() as f64 / f64::from(CALLS)
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted[sorted.len() / 2]
 }
 
 /// Cars in town: different speeds, torques and steering in every slot.
