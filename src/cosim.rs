@@ -1,7 +1,7 @@
 //! The coupling of fleet and SUMO, in every SUMO step:
 //!
-//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then the step; and behind it,
-//!    in the same write, messages that ask every ego for its speed and heading. (Where other clients share SUMO,
+//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then the step; and while
+//!    SUMO makes it, messages that ask every ego for its speed and heading. (Where other clients share SUMO,
 //!    newcomers are subscribed to instead.)
 //! 2. The speed that comes back is v*, what SUMO's car-following, lights, right of way and stops chose from there.
 //! 3. Body and controller run the *same* interval after the reply, along the ramp to v* (see
