@@ -21,8 +21,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Duration;
 
-/// Fewer blocks than this are advanced on the calling thread: waking a second one would cost more.
-const PARALLEL_FROM_BLOCKS: usize = 8;
+/// Less work than this is done on the calling thread, in control periods of blocks of about a microsecond each: waking a
+/// second thread would cost more.
+const PARALLEL_FROM_BLOCK_PERIODS: usize = 80;
 
 /// Where a vehicle lives: block and slot in one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -215,7 +216,8 @@ impl Fleet {
             }
         };
         let blocks = among(&mut self.blocks, blocks);
-        if blocks.len() < PARALLEL_FROM_BLOCKS || rayon::current_num_threads() == 1 {
+        let work_units = blocks.len() * periods as usize;
+        if work_units < PARALLEL_FROM_BLOCK_PERIODS || rayon::current_num_threads() == 1 {
             blocks.iter_mut().for_each(work);
         } else {
             blocks.par_iter_mut().for_each(work);
