@@ -9,6 +9,7 @@ mod axle;
 pub mod body;
 pub mod integrator;
 mod kernel;
+mod layout;
 mod loops;
 pub mod oracle;
 mod point_mass;
@@ -23,6 +24,7 @@ pub use actuator::{Actuated, Actuators};
 pub use body::{BODIES, BODY_KEYS, Body};
 use integrator::Moment;
 pub use kernel::SevenDof;
+use layout::{FourWheels, Layout};
 use seven_dof::{CAR_COLUMNS, Car, Drive, sine_and_cosine, slips};
 
 /// State of motion of one vehicle.
@@ -164,23 +166,19 @@ impl PlantBlock {
     pub fn slip(&self, slot: usize, steer_rad: f64) -> [f64; 2] {
         let car = Car::pick(&self.cars, slot);
         let drive = Drive::new(&car, 0.0, 0.0, [steer_rad, 0.0, 0.0].map(sine_and_cosine::<Libm>));
-        let slip = slips(&car, &drive, &self.moment(slot).x).slip;
+        let slip = slips::<FourWheels>(&car, &drive, &self.moment::<FourWheels>(slot).x).map(|tyre| tyre.slip);
         [0.5 * (slip[0] + slip[1]), 0.5 * (slip[2] + slip[3])]
     }
 
     #[inline(always)]
-    fn moment(&self, lane: usize) -> Moment {
-        let w = &self.wheel_speed_radps;
+    fn moment<L: Layout>(&self, lane: usize) -> Moment {
         Moment {
-            x: [
-                self.vx_mps[lane],
-                self.vy_mps[lane],
-                self.yaw_rate_radps[lane],
-                w[0][lane],
-                w[1][lane],
-                w[2][lane],
-                w[3][lane],
-            ],
+            x: L::states(|i| match i {
+                0 => self.vx_mps[lane],
+                1 => self.vy_mps[lane],
+                2 => self.yaw_rate_radps[lane],
+                _ => self.wheel_speed_radps[i - 3][lane],
+            }),
             acceleration: [self.acceleration_mps2[0][lane], self.acceleration_mps2[1][lane]],
             distance: self.distance_m[lane],
         }

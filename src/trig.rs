@@ -1,6 +1,7 @@
 //! The functions of tyre model and noise, twice: as branch-free polynomials that turn into vector code and give the same
 //! bits on every machine, and from the `libm` crate as the oracle of the first.
 
+use crate::lanes::Lanes;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// `yes` if `condition`, else `no`, by masks: the compiler never makes a branch of it, which would keep a loop over lanes
@@ -79,12 +80,7 @@ impl Trig for Polynomial {
         let numerator = choose(far, -1.0, choose(near, a, a - 1.0));
         let denominator = choose(far, a, choose(near, 1.0, a + 1.0));
         let offset = choose(far, FRAC_PI_2, choose(near, 0.0, FRAC_PI_4));
-        let t = numerator / denominator;
-        let u = t * t;
-        let u2 = u * u;
-        let u4 = u2 * u2;
-        let sum = quad(&ATAN, 0, u, u2) + (quad(&ATAN, 4, u, u2) + pair(&ATAN, 8, u) * u4) * u4;
-        signed(offset + t * sum, x)
+        signed(offset + atan_near(numerator / denominator), x)
     }
 
     /// sin|x| = sin(π − |x|) folds the argument into 0..π/2.
@@ -113,6 +109,25 @@ impl Trig for Polynomial {
             sum = sum * u + 1.0 / odd;
         }
         2.0 * t * sum + e * std::f64::consts::LN_2
+    }
+}
+
+/// arctan(t), |t| < tan(π/8).
+#[inline(always)]
+fn atan_near(t: f64) -> f64 {
+    let u = t * t;
+    let u2 = u * u;
+    let u4 = u2 * u2;
+    t * (quad(&ATAN, 0, u, u2) + (quad(&ATAN, 4, u, u2) + pair(&ATAN, 8, u) * u4) * u4)
+}
+
+/// [`Polynomial::atan`] of all lanes, to the bit; in half the time where all of them are small.
+#[inline(always)]
+pub fn atan_lanes(x: &mut Lanes) {
+    if x.iter().fold(true, |all, x| all & (x.abs() < TAN_PI_8)) {
+        x.iter_mut().for_each(|x| *x = atan_near(*x));
+    } else {
+        x.iter_mut().for_each(|x| *x = Polynomial::atan(*x));
     }
 }
 

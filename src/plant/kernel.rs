@@ -8,6 +8,7 @@
 use std::cell::RefCell;
 
 use super::integrator::substep;
+use super::layout::FourWheels;
 use super::loops::{Workspace, advance_lanes};
 use super::seven_dof::{Car, Drive, sine_and_cosine};
 use super::{Inputs, Plant, PlantBlock};
@@ -37,7 +38,7 @@ impl SevenDof {
         let (count, h) = self.substeps(period_s);
         for lane in (0..LANES).filter(|&lane| moving[lane] > 0.0) {
             let (car, drive) = acting(block, inputs, lane);
-            let mut moment = block.moment(lane);
+            let mut moment = block.moment::<FourWheels>(lane);
             for _ in 0..count {
                 moment = substep::<Libm>(&car, &drive, &moment, h);
             }

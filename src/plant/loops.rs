@@ -5,14 +5,15 @@
 //! lanes and leaves its results in columns for the next one; the short loops over the curves keep the processor busy with
 //! many vehicles and tyres at once.
 //!
-//! Work that is known to be nothing is left out, which changes no bit: see [`Tyres::shape`] and [`sines_and_cosines`].
+//! The loops are compiled for each [`Layout`]; a block takes the simplest one that holds for its vehicles.
 
 use super::integrator::{Half, Moment, first_stage, second_stage};
-use super::seven_dof::{Car, Drive, Forces, Grip, Slips, forces, left_across, peaks, sine_and_cosine, slips};
+use super::layout::{Common, FourWheels, Layout, StraightAhead, TwoAxles};
+use super::seven_dof::{Car, Drive, Forces, Grip, Slip, forces, left_across, peaks, sine_and_cosine, slips};
 use super::tyre::Tyre;
 use super::{Inputs, PlantBlock};
 use crate::lanes::{Flags, LANES, Lanes};
-use crate::trig::{Polynomial, Trig};
+use crate::trig::{Polynomial, Trig, atan_lanes};
 
 /// Numbers that one loop over the lanes leaves to the next.
 #[repr(align(64))]
@@ -20,34 +21,12 @@ struct Columns<const K: usize>([Lanes; K]);
 
 impl<const K: usize> Columns<K> {
     const NEW: Self = Self([[0.0; LANES]; K]);
-
-    #[inline(always)]
-    fn put(&mut self, lane: usize, values: &[f64; K]) {
-        for k in 0..K {
-            self.0[k][lane] = values[k];
-        }
-    }
-
-    #[inline(always)]
-    fn get(&self, lane: usize) -> [f64; K] {
-        let mut values = [0.0; K];
-        for k in 0..K {
-            values[k] = self.0[k][lane];
-        }
-        values
-    }
 }
 
 /// True if every lane is +0.
 #[inline(always)]
 fn is_zero(column: &Lanes) -> bool {
     column.iter().fold(0, |bits, x| bits | x.to_bits()) == 0
-}
-
-/// True if the columns hold the same bits.
-#[inline(always)]
-fn is_same(a: &Lanes, b: &Lanes) -> bool {
-    a.iter().zip(b).fold(0, |bits, (a, b)| bits | (a.to_bits() ^ b.to_bits())) == 0
 }
 
 /// Sines and cosines of the angles in a column; straight and level roads cost next to nothing.
@@ -58,7 +37,7 @@ fn sines_and_cosines(angle: &Lanes, out: &mut Columns<2>) {
         return;
     }
     for lane in 0..LANES {
-        out.put(lane, &sine_and_cosine::<Polynomial>(angle[lane]));
+        [out.0[0][lane], out.0[1][lane]] = sine_and_cosine::<Polynomial>(angle[lane]);
     }
 }
 
@@ -74,74 +53,68 @@ struct Tyres {
 
 impl Tyres {
     #[inline(always)]
-    fn put(&mut self, lane: usize, slips: &Slips) {
-        self.slip.put(lane, &slips.slip);
-        self.per_speed.put(lane, &slips.per_speed);
-        self.limit.put(lane, &slips.limit);
+    fn put<L: Layout>(&mut self, lane: usize, slips: &[Slip; 6]) {
+        L::tyres(|i| {
+            self.slip.0[i][lane] = slips[i].slip;
+            self.per_speed.0[i][lane] = slips[i].per_speed;
+            self.limit.0[i][lane] = slips[i].limit;
+        });
     }
 
-    /// What the slips make of the tyres. A tyre that does not slip in any lane has no force (no vehicle of the block
-    /// steers or drifts); a right tyre that slips as the left one does in every lane has its force (no track width, or straight
-    /// ahead).
+    /// What the slips make of the tyres.
     #[inline(always)]
-    fn shape(&mut self, block: &PlantBlock) {
-        let (mut todo, mut count, mut twin) = ([0; 6], 0, [false; 6]);
-        for i in 0..6 {
-            self.shape.0[i] = self.slip.0[i];
-            twin[i] = matches!(i, 1 | 3) && is_same(&self.slip.0[i], &self.slip.0[i - 1]);
-            if !(twin[i] || is_zero(&self.slip.0[i])) {
-                todo[count] = i;
-                count += 1;
-            }
+    fn shape<L: Layout>(&mut self, block: &PlantBlock) {
+        for i in L::TYRES.iter().filter(|i| **i >= 4) {
+            atan_lanes(&mut self.slip.0[*i]);
         }
-        let todo = &todo[..count];
-        for i in todo.iter().filter(|i| **i >= 4) {
-            for x in &mut self.shape.0[*i] {
-                *x = Polynomial::atan(*x);
-            }
-        }
-        for i in todo {
+        for i in L::TYRES {
             let [b, _, e] = Car::tyre_columns(&block.cars, *i);
             let x = &mut self.shape.0[*i];
             for lane in 0..LANES {
-                x[lane] = Tyre::bend::<Polynomial>(b[lane], e[lane], x[lane]);
+                x[lane] = b[lane] * self.slip.0[*i][lane];
+            }
+            let mut angle = *x;
+            atan_lanes(&mut angle);
+            for lane in 0..LANES {
+                x[lane] = Tyre::bend(e[lane], x[lane], angle[lane]);
             }
         }
-        for i in todo {
+        for i in L::TYRES {
             let [_, c, _] = Car::tyre_columns(&block.cars, *i);
             let x = &mut self.shape.0[*i];
+            atan_lanes(x);
             for lane in 0..LANES {
-                x[lane] = c[lane] * Polynomial::atan(x[lane]);
+                x[lane] *= c[lane];
             }
         }
-        for i in todo {
+        for i in L::TYRES {
             for x in &mut self.shape.0[*i] {
                 *x = Polynomial::sin(*x);
             }
         }
-        for i in [1, 3] {
-            if twin[i] {
-                self.shape.0[i] = self.shape.0[i - 1];
-            }
-        }
         let ellipse = Car::ellipse_column(&block.cars);
-        if is_zero(ellipse) {
+        if L::AHEAD || is_zero(ellipse) {
             self.left.0 = [[1.0; LANES]; 4];
-        } else {
-            for wheel in 0..4 {
-                for lane in 0..LANES {
-                    self.left.0[wheel][lane] = left_across(ellipse[lane], self.shape.0[wheel][lane]);
-                }
+            return;
+        }
+        for wheel in L::TYRES.iter().filter(|i| **i < 4) {
+            let (shape, left) = (&self.shape.0[*wheel], &mut self.left.0[*wheel]);
+            for lane in 0..LANES {
+                left[lane] = left_across(ellipse[lane], shape[lane]);
             }
         }
     }
 
     #[inline(always)]
-    fn forces(&self, car: &Car, lane: usize) -> Forces {
-        let slips =
-            Slips { slip: self.slip.get(lane), per_speed: self.per_speed.get(lane), limit: self.limit.get(lane) };
-        let grip = Grip { shape: self.shape.get(lane), left: self.left.get(lane) };
-        forces(car, &self.peak.get(lane), &slips, &grip)
+    fn forces<L: Layout>(&self, car: &Car, lane: usize) -> Forces {
+        let slips = L::tyres(|i| Slip {
+            slip: self.slip.0[i][lane],
+            per_speed: self.per_speed.0[i][lane],
+            limit: self.limit.0[i][lane],
+        });
+        let left = if L::AHEAD { [1.0; 4] } else { L::wheels(|wheel| self.left.0[wheel][lane]) };
+        let grip = Grip { shape: L::tyres(|i| self.shape.0[i][lane]), left };
+        forces::<L>(car, &L::wheels(|wheel| self.peak.0[wheel][lane]), &slips, &grip)
     }
 }
 
@@ -172,38 +145,131 @@ impl Workspace {
     };
 }
 
+/// The vehicle in a lane, what acts on it, and its state.
+#[inline(always)]
+fn pick<L: Layout>(block: &PlantBlock, inputs: &Inputs, angles: &[Columns<2>; 3], lane: usize) -> (Car, Drive, Moment) {
+    let car = Car::pick(&block.cars, lane);
+    let [steer, grade, bank] = angles;
+    let angles = [steer, grade, bank].map(|angle| [angle.0[0][lane], angle.0[1][lane]]);
+    (car, Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles), block.moment::<L>(lane))
+}
+
 /// Advances the lanes with `moving` = 1 by one substep of `h` seconds.
 #[inline(always)]
 pub fn advance_lanes(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
+    match Common::of(block, inputs, moving) {
+        Common { ahead: true, .. } => advance_alike::<StraightAhead>(work, block, inputs, moving, h),
+        Common { even: true, .. } => advance_alike::<TwoAxles>(work, block, inputs, moving, h),
+        _ => advance_alike::<FourWheels>(work, block, inputs, moving, h),
+    }
+}
+
+/// The same for vehicles of a layout.
+#[inline(always)]
+fn advance_alike<L: Layout>(work: &mut Workspace, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, h: f64) {
     let Workspace { angles, tyres, k, torque, free } = work;
     sines_and_cosines(&inputs.steer_rad, &mut angles[0]);
     sines_and_cosines(&inputs.grade_rad, &mut angles[1]);
     sines_and_cosines(&inputs.bank_rad, &mut angles[2]);
-    let pick = |block: &PlantBlock, lane: usize| -> (Car, Drive, Moment) {
-        let car = Car::pick(&block.cars, lane);
-        let angles = [angles[0].get(lane), angles[1].get(lane), angles[2].get(lane)];
-        let drive = Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles);
-        (car, drive, block.moment(lane))
-    };
     for lane in 0..LANES {
-        let (car, drive, now) = pick(block, lane);
-        tyres.peak.put(lane, &peaks(&car, &drive, now.acceleration));
-        tyres.put(lane, &slips(&car, &drive, &now.x));
+        let (car, drive, now) = pick::<L>(block, inputs, angles, lane);
+        let peak = peaks::<L>(&car, &drive, now.acceleration);
+        L::wheels(|wheel| tyres.peak.0[wheel][lane] = peak[wheel]);
+        tyres.put::<L>(lane, &slips::<L>(&car, &drive, &now.x));
     }
-    tyres.shape(block);
+    tyres.shape::<L>(block);
     for lane in 0..LANES {
-        let (car, drive, now) = pick(block, lane);
-        let half = first_stage(&car, &drive, &now, &tyres.forces(&car, lane), h);
-        k.put(lane, &half.k);
-        torque.put(lane, &half.torque);
-        free.put(lane, &half.free);
-        tyres.put(lane, &slips(&car, &drive, &half.middle(&now, h)));
+        let (car, drive, now) = pick::<L>(block, inputs, angles, lane);
+        let half = first_stage::<L>(&car, &drive, &now, &tyres.forces::<L>(&car, lane), h);
+        L::states(|i| k.0[i][lane] = half.k[i]);
+        L::wheels(|wheel| torque.0[wheel][lane] = half.torque[wheel]);
+        L::wheels(|wheel| free.0[wheel][lane] = half.free[wheel]);
+        tyres.put::<L>(lane, &slips::<L>(&car, &drive, &half.middle::<L>(&now, h)));
     }
-    tyres.shape(block);
+    tyres.shape::<L>(block);
     for lane in 0..LANES {
-        let (car, drive, now) = pick(block, lane);
-        let half = Half { k: k.get(lane), torque: torque.get(lane), free: free.get(lane) };
-        let next = second_stage(&car, &drive, &now, &half, &tyres.forces(&car, lane), h);
+        let (car, drive, now) = pick::<L>(block, inputs, angles, lane);
+        let half = Half {
+            k: L::states(|i| k.0[i][lane]),
+            torque: L::wheels(|wheel| torque.0[wheel][lane]),
+            free: L::wheels(|wheel| free.0[wheel][lane]),
+        };
+        let next = second_stage::<L>(&car, &drive, &now, &half, &tyres.forces::<L>(&car, lane), h);
         block.put(lane, &next, moving[lane]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::State;
+    use super::super::body::BODIES;
+    use super::*;
+    use crate::random::Stream;
+
+    /// Sixteen vehicles and what acts on them in one period: roads up and down, wind, torques from full brakes to spinning
+    /// wheels; sometimes standing, sometimes rolling backwards.
+    fn scene(random: &mut Stream, steers: bool) -> (PlantBlock, Inputs) {
+        let (mut block, mut inputs) = (PlantBlock::new(), Inputs::default());
+        for lane in 0..LANES {
+            let mut body = (BODIES[lane % BODIES.len()].build)();
+            (body.drag_area_m2, body.rolling_resistance) = (0.7, 0.01);
+            body.combined_slip = lane % 3 == 0;
+            block.set_body(lane, &body);
+            let speed_mps = (8.0 * random.normal() + 6.0).max(-3.0);
+            let speed_mps = if lane % 5 == 4 { 0.0 } else { speed_mps };
+            block.set_state(lane, &State::rolling(&body, speed_mps));
+            inputs.grade_rad[lane] = 0.05 * random.normal();
+            inputs.headwind_mps[lane] = 3.0 * random.normal();
+            inputs.steer_rad[lane] = if steers && lane % 2 == 0 { 0.05 * random.normal() } else { 0.0 };
+        }
+        (block, inputs)
+    }
+
+    fn bits(block: &PlantBlock) -> Vec<u64> {
+        let columns = [&block.vx_mps, &block.vy_mps, &block.yaw_rate_radps, &block.distance_m];
+        let columns = columns.into_iter().chain(&block.wheel_speed_radps).chain(&block.acceleration_mps2);
+        columns.flatten().map(|x| x.to_bits()).collect()
+    }
+
+    /// Drives a scene by two layouts for as many periods and compares every bit after each.
+    fn compare<A: Layout, B: Layout>(steers: bool, holds: impl Fn(Common) -> bool) {
+        let mut random = Stream::new(3, "layout", if steers { "steering" } else { "straight" });
+        let (moving, mut work) = ([1.0; LANES], Workspace::NEW);
+        for _ in 0..20 {
+            let (mut a, mut inputs) = scene(&mut random, steers);
+            let mut b = a.clone();
+            for period in 0..200 {
+                if period % 20 == 0 {
+                    inputs.torque_nm = std::array::from_fn(|_| 2500.0 * random.normal());
+                }
+                assert!(holds(Common::of(&a, &inputs, &moving)), "period {period}");
+                advance_alike::<A>(&mut work, &mut a, &inputs, &moving, 0.01);
+                advance_alike::<B>(&mut work, &mut b, &inputs, &moving, 0.01);
+                assert_eq!(bits(&a), bits(&b), "period {period}");
+            }
+            assert!(a.vx_mps.iter().all(|v| v.is_finite()) && a.vx_mps.iter().any(|v| v.abs() > 1.0));
+        }
+    }
+
+    #[test]
+    fn law_what_vehicles_have_in_common_changes_no_bit() {
+        compare::<TwoAxles, FourWheels>(true, |common| common == Common { even: true, ahead: false });
+        compare::<StraightAhead, FourWheels>(false, |common| common == Common { even: true, ahead: true });
+    }
+
+    #[test]
+    fn a_wide_car_or_an_uneven_road_needs_all_wheels() {
+        let (moving, inputs) = ([1.0; LANES], Inputs::default());
+        let mut body = (BODIES[0].build)();
+        body.track_width_m = 1.5;
+        let mut block = PlantBlock::new();
+        block.set_body(3, &body);
+        assert_eq!(Common::of(&block, &inputs, &moving), Common { even: false, ahead: true });
+        body.friction[1] = 0.3;
+        block.set_body(3, &body);
+        assert_eq!(Common::of(&block, &inputs, &moving), Common { even: false, ahead: false });
+        // A vehicle that does not move takes no part.
+        let moving = std::array::from_fn(|lane| if lane == 3 { 0.0 } else { 1.0 });
+        assert_eq!(Common::of(&block, &inputs, &moving), Common { even: true, ahead: true });
     }
 }

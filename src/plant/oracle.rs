@@ -14,6 +14,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::integrator::{HOLD_MPS, Moment, finish, wheel_torques};
 use super::kernel::acting;
+use super::layout::FourWheels;
 use super::seven_dof::{Car, Drive, Vector, peaks, rates, tyre_forces};
 use super::{Inputs, Plant, PlantBlock};
 use crate::lanes::{Flags, LANES};
@@ -70,7 +71,7 @@ impl Plant for Reference {
     fn advance(&self, block: &mut PlantBlock, inputs: &Inputs, moving: &Flags, period_s: f64) {
         for lane in (0..LANES).filter(|&lane| moving[lane] > 0.0) {
             let (car, drive) = acting(block, inputs, lane);
-            let next = self.period(&car, &drive, block.moment(lane), period_s);
+            let next = self.period(&car, &drive, block.moment::<FourWheels>(lane), period_s);
             block.put(lane, &next, 1.0);
         }
     }
@@ -84,19 +85,19 @@ fn distance(car: &Car, a: &Vector, b: &Vector) -> f64 {
 
 /// One Radau step; `None` if Newton fails or an event lies inside a step that can still be shortened.
 fn step(car: &Car, drive: &Drive, now: &Moment, h: f64) -> Option<Moment> {
-    let peak = peaks(car, drive, now.acceleration);
+    let peak = peaks::<FourWheels>(car, drive, now.acceleration);
     let start = tyre_forces::<Libm>(car, drive, &peak, &now.x);
-    let (torque, free) = wheel_torques(car, drive, &now.x, &start);
+    let (torque, free) = wheel_torques::<FourWheels>(car, drive, &now.x, &start);
     let f = |x: &SVector<f64, 7>| {
         let x = Vector::from(*x);
-        SVector::from(rates(car, drive, &x, &tyre_forces::<Libm>(car, drive, &peak, &x), &torque, &free))
+        SVector::from(rates::<FourWheels>(car, drive, &x, &tyre_forces::<Libm>(car, drive, &peak, &x), &torque, &free))
     };
     let x = SVector::from(now.x);
     let z = newton(&f, &x, h)?;
     let next = Vector::from(x + z.fixed_rows::<7>(7));
     let stops = (0..4).any(|w| drive.brake[w / 2] > 0.0 && next[3 + w] * now.x[3 + w] < 0.0);
     let passes = drive.brake[0] + drive.brake[1] > 0.0 && next[0] < -HOLD_MPS && now.x[0] > 0.0;
-    if (stops || passes) && h > SHORTEST_S { None } else { Some(finish(car, drive, now, next, h)) }
+    if (stops || passes) && h > SHORTEST_S { None } else { Some(finish::<FourWheels>(car, drive, now, next, h)) }
 }
 
 /// Solves for the stages z.

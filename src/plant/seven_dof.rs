@@ -24,6 +24,7 @@
 
 use super::axle::Axle;
 use super::body::{AIR_DENSITY_KGPM3, Body, GRAVITY_MPS2};
+use super::layout::{FourWheels, Layout};
 use super::tyre::Tyre;
 use crate::lanes::Lanes;
 use crate::trig::{Trig, choose};
@@ -82,9 +83,11 @@ pub struct Car {
 /// Number of columns that hold a [`Car`].
 pub const CAR_COLUMNS: usize = 38;
 
-/// Where among them the tyres begin, and where the friction ellipse is.
+/// Where among them some of them are, or begin.
 const TYRES: usize = 23;
 const ELLIPSE: usize = 8;
+const HALF_TRACK: usize = 2;
+const FRICTION: usize = 19;
 
 impl Car {
     /// What the equations need of a body.
@@ -154,6 +157,12 @@ impl Car {
         &columns[ELLIPSE]
     }
 
+    /// The columns of [`Car::half_track`] and [`Car::friction`].
+    #[inline(always)]
+    pub fn sides(columns: &[Lanes; CAR_COLUMNS]) -> (&Lanes, [&Lanes; 4]) {
+        (&columns[HALF_TRACK], std::array::from_fn(|wheel| &columns[FRICTION + wheel]))
+    }
+
     /// Reads a car back from its lane of the columns.
     #[inline(always)]
     pub fn pick(columns: &[Lanes; CAR_COLUMNS], lane: usize) -> Self {
@@ -162,7 +171,7 @@ impl Car {
         Self {
             mass: columns[0][lane],
             yaw_inertia: columns[1][lane],
-            half_track: columns[2][lane],
+            half_track: columns[HALF_TRACK][lane],
             radius: columns[3][lane],
             per_wheel_inertia: columns[4][lane],
             pitch_transfer: columns[5][lane],
@@ -174,7 +183,7 @@ impl Car {
             roll_transfer: pair(13),
             drive_share: pair(15),
             brake_share: pair(17),
-            friction: [columns[19][lane], columns[20][lane], columns[21][lane], columns[22][lane]],
+            friction: std::array::from_fn(|wheel| columns[FRICTION + wheel][lane]),
             longitudinal: [tyre(TYRES), tyre(TYRES + 3)],
             lateral: [tyre(TYRES + 6), tyre(TYRES + 9)],
             lateral_grip: columns[35][lane],
@@ -228,37 +237,36 @@ impl Drive {
 
     /// The axles of a car that steers so.
     #[inline(always)]
-    pub fn axles(&self, car: &Car) -> [Axle; 2] {
-        [Axle::new(car.axle_x[0], car.half_track, Some(self.steer)), Axle::new(car.axle_x[1], car.half_track, None)]
+    pub fn axles<L: Layout>(&self, car: &Car) -> [Axle; 2] {
+        let steer = if L::AHEAD { None } else { Some(self.steer) };
+        [Axle::new(car.axle_x[0], car.half_track, steer), Axle::new(car.axle_x[1], car.half_track, None)]
     }
 }
 
 /// Peak force D_i = μ_i F_z,i of the wheels \[N\] with the load transfer of the accelerations (a_x, a_y) and of gravity
 /// on grade and bank [m/s²].
 #[inline(always)]
-pub fn peaks(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
+pub fn peaks<L: Layout>(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
     let pitch = car.pitch_transfer * (acceleration[0] - drive.gravity[0]);
-    let mut peak = [0.0; 4];
-    for (wheel, peak) in peak.iter_mut().enumerate() {
+    L::wheels(|wheel| {
         let axle = wheel / 2;
         let static_load = car.load[axle] * drive.load_scale;
         let roll = car.roll_transfer[axle] * (acceleration[1] - drive.gravity[1]);
         let load =
             static_load + if axle == 0 { -pitch } else { pitch } + if wheel.is_multiple_of(2) { -roll } else { roll };
-        *peak = car.friction[wheel] * larger(load, 0.0);
-    }
-    peak
+        car.friction[wheel] * larger(load, 0.0)
+    })
 }
 
-/// The slip of the tyres: of the wheels along, then of the axles across.
-#[derive(Debug, Clone, Copy)]
-pub struct Slips {
-    /// Slip ratios of the wheels, tangents of the slip angles of the axles.
-    pub slip: [f64; 6],
+/// The slip of one tyre.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Slip {
+    /// Slip ratio of a wheel, tangent of the slip angle of an axle.
+    pub slip: f64,
     /// 1/slip speed [s/m], or 0 where hardly anything slips.
-    pub per_speed: [f64; 6],
+    pub per_speed: f64,
     /// Where hardly anything slips the chord of the tyre's shape, BC/scale [s/m], else 0.
-    pub limit: [f64; 6],
+    pub limit: f64,
 }
 
 /// Forces of all tyres, in tyre axes: of the wheels along, then of the axles across.
@@ -281,18 +289,17 @@ fn within_one(a: f64) -> f64 {
     choose(a.abs() > 1.0, 1.0_f64.copysign(a), a)
 }
 
-/// Slip in state `x`. A tyre that does not slip at all has +0.
+/// Slip of the tyres in state `x`: of the wheels along, then of the axles across. A tyre that does not slip at all has +0.
 #[inline(always)]
-pub fn slips(car: &Car, drive: &Drive, x: &Vector) -> Slips {
-    let mut slips = Slips { slip: [0.0; 6], per_speed: [0.0; 6], limit: [0.0; 6] };
-    let [front, rear] = drive.axles(car);
+pub fn slips<L: Layout>(car: &Car, drive: &Drive, x: &Vector) -> [Slip; 6] {
+    let [front, rear] = drive.axles::<L>(car);
     let v = [x[0], x[1], x[2]];
     let ([fl, fr, f], ahead) = front.speeds(v);
     let ([rl, rr, r], back) = rear.speeds(v);
     let hub = [fl, fr, rl, rr, ahead, back];
     let rim = [car.radius * x[3], car.radius * x[4], car.radius * x[5], car.radius * x[6], 0.0, 0.0];
     let speed = [rim[0] - hub[0], rim[1] - hub[1], rim[2] - hub[2], rim[3] - hub[3], 0.0 - f, 0.0 - r];
-    for i in 0..6 {
+    L::tyres(|i| {
         let scale = larger(larger(rim[i].abs(), hub[i].abs()), FLOOR_MPS);
         let slides = speed[i].abs() > 1e-7;
         // One division for both reciprocals.
@@ -300,11 +307,12 @@ pub fn slips(car: &Car, drive: &Drive, x: &Vector) -> Slips {
         let both = 1.0 / (scale * safe);
         let per_scale = both * safe;
         let slip = speed[i] * per_scale;
-        slips.slip[i] = if i < 4 { within_one(slip) } else { slip };
-        slips.per_speed[i] = choose(slides, both * scale, 0.0);
-        slips.limit[i] = choose(slides, 0.0, car.tyre(i).slope_per_peak() * per_scale);
-    }
-    slips
+        Slip {
+            slip: if i < 4 { within_one(slip) } else { slip },
+            per_speed: choose(slides, both * scale, 0.0),
+            limit: choose(slides, 0.0, car.tyre(i).slope_per_peak() * per_scale),
+        }
+    })
 }
 
 /// What slip makes of the tyres.
@@ -319,9 +327,9 @@ pub struct Grip {
 impl Grip {
     /// Of the tyres with these slips.
     #[inline(always)]
-    pub fn new<T: Trig>(car: &Car, slip: &[f64; 6]) -> Self {
+    pub fn new<T: Trig>(car: &Car, slips: &[Slip; 6]) -> Self {
         let shape: [f64; 6] = std::array::from_fn(|i| {
-            let slip = if i < 4 { slip[i] } else { T::atan(slip[i]) };
+            let slip = if i < 4 { slips[i].slip } else { T::atan(slips[i].slip) };
             car.tyre(i).shape::<T>(slip)
         });
         Self { shape, left: std::array::from_fn(|wheel| left_across(car.ellipse, shape[wheel])) }
@@ -336,22 +344,17 @@ pub fn left_across(ellipse: f64, shape: f64) -> f64 {
 
 /// Forces of tyres with these slips.
 #[inline(always)]
-pub fn forces(car: &Car, peak: &[f64; 4], slips: &Slips, grip: &Grip) -> Forces {
-    let [fl, fr, rl, rr] = [0, 1, 2, 3].map(|wheel| peak[wheel] * grip.left[wheel]);
+pub fn forces<L: Layout>(car: &Car, peak: &[f64; 4], slips: &[Slip; 6], grip: &Grip) -> Forces {
+    let [fl, fr, rl, rr] = L::wheels(|wheel| peak[wheel] * grip.left[wheel]);
     let peak = [peak[0], peak[1], peak[2], peak[3], car.lateral_grip * (fl + fr), car.lateral_grip * (rl + rr)];
-    let mut forces = Forces { force: [0.0; 6], slope: [0.0; 6] };
-    for i in 0..6 {
-        forces.force[i] = peak[i] * grip.shape[i];
-        forces.slope[i] = peak[i] * larger(grip.shape[i] * slips.per_speed[i] + slips.limit[i], 0.0);
-    }
-    forces
+    let slope = |i: usize| larger(grip.shape[i] * slips[i].per_speed + slips[i].limit, 0.0);
+    Forces { force: L::tyres(|i| peak[i] * grip.shape[i]), slope: L::tyres(|i| peak[i] * slope(i)) }
 }
 
-/// Tyre forces in state `x`.
-#[inline(always)]
+/// Tyre forces in state `x`, of any vehicle.
 pub fn tyre_forces<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vector) -> Forces {
-    let slips = slips(car, drive, x);
-    forces(car, peak, &slips, &Grip::new::<T>(car, &slips.slip))
+    let slips = slips::<FourWheels>(car, drive, x);
+    forces::<FourWheels>(car, peak, &slips, &Grip::new::<T>(car, &slips))
 }
 
 /// Forces on the body that come from neither tyres nor inertia: gravity, drag, rolling resistance; along x and y \[N\].
@@ -365,20 +368,25 @@ pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
 /// Sums the right-hand sides of the four equations in the head of this file; `torque` is C_mi − C_fi of the wheels and
 /// `free` is 1 for a wheel that turns, 0 for one that its brake holds.
 #[inline(always)]
-pub fn rates(car: &Car, drive: &Drive, x: &Vector, forces: &Forces, torque: &[f64; 4], free: &[f64; 4]) -> Vector {
-    let [front, rear] = drive.axles(car);
+pub fn rates<L: Layout>(
+    car: &Car,
+    drive: &Drive,
+    x: &Vector,
+    forces: &Forces,
+    torque: &[f64; 4],
+    free: &[f64; 4],
+) -> Vector {
+    let [front, rear] = drive.axles::<L>(car);
     let f = &forces.force;
     let front = front.forces([f[0], f[1], f[4]]);
     let rear = rear.forces([f[2], f[3], f[5]]);
     let road = road_forces(car, drive, x);
-    let mut dx = [0.0; 7];
-    dx[0] = x[2] * x[1] + (front[0] + rear[0] + road[0]) * car.per_mass;
-    dx[1] = -x[2] * x[0] + (front[1] + rear[1] + road[1]) * car.per_mass;
-    dx[2] = (front[2] + rear[2]) * car.per_yaw_inertia;
-    for wheel in 0..4 {
-        dx[3 + wheel] = free[wheel] * (torque[wheel] - car.radius * f[wheel]) * car.per_wheel_inertia;
-    }
-    dx
+    L::states(|i| match i {
+        0 => x[2] * x[1] + (front[0] + rear[0] + road[0]) * car.per_mass,
+        1 => -x[2] * x[0] + (front[1] + rear[1] + road[1]) * car.per_mass,
+        2 => (front[2] + rear[2]) * car.per_yaw_inertia,
+        _ => free[i - 3] * (torque[i - 3] - car.radius * f[i - 3]) * car.per_wheel_inertia,
+    })
 }
 
 #[cfg(test)]
@@ -416,7 +424,7 @@ mod tests {
         for (v, rim) in [(10.0, 11.0), (10.0, 9.0), (10.0, 0.0), (0.5, 30.0), (10.0, -1.0), (-5.0, 4.0), (-5.0, -6.0)] {
             let w = rim / car.radius;
             let x = [v, 0.0, 0.0, w, w, w, w];
-            let got = slips(&car, &drive, &x).slip[2];
+            let got = slips::<FourWheels>(&car, &drive, &x)[2].slip;
             let propulsion = rim.abs() > f64::abs(v);
             let expected: f64 = (rim - v) / if propulsion { rim.abs() } else { f64::abs(v) };
             assert!((got - expected.clamp(-1.0, 1.0)).abs() < 1e-12, "{v} m/s, rim {rim} m/s: {got}, not {expected}");
@@ -428,7 +436,7 @@ mod tests {
         let car = Car::new(&(BODIES[0].build)());
         for (vx, vy, yaw, steer) in [(10.0, 0.3, 0.2, 0.05), (25.0, -1.0, 0.4, -0.1), (3.0, 0.5, 0.5, 0.3)] {
             let drive = Drive::new(&car, 0.0, 0.0, [steer, 0.0, 0.0].map(sine_and_cosine::<Libm>));
-            let [.., f, r] = slips(&car, &drive, &[vx, vy, yaw, 0.0, 0.0, 0.0, 0.0]).slip;
+            let [.., f, r] = slips::<FourWheels>(&car, &drive, &[vx, vy, yaw, 0.0, 0.0, 0.0, 0.0]).map(|s| s.slip);
             let front = steer - libm::atan2(vy + car.axle_x[0] * yaw, vx);
             let rear = -libm::atan2(vy + car.axle_x[1] * yaw, vx);
             assert!((libm::atan(f) - front).abs() < 1e-12 && (libm::atan(r) - rear).abs() < 1e-12);
@@ -441,7 +449,7 @@ mod tests {
             let mut even = car;
             even.friction = [1.0; 4];
             let drive = Drive::new(&even, 0.0, 0.0, [[0.0, 1.0]; 3]);
-            let [fl, fr, rl, rr] = peaks(&even, &drive, [2.0, 1.0]);
+            let [fl, fr, rl, rr] = peaks::<FourWheels>(&even, &drive, [2.0, 1.0]);
             assert!(((fl + fr + rl + rr) / (even.mass * GRAVITY_MPS2) - 1.0).abs() < 1e-12);
             // Speeding up and turning left loads the rear and the right.
             assert!(rl + rr > 2.0 * even.load[1] && fr > fl && rr > rl);

@@ -19,14 +19,14 @@ impl Tyre {
     /// F/D = sin(C·atan(Bτ − E(Bτ − atan(Bτ)))) for slip ratio τ [-] or slip angle \[rad\].
     #[inline(always)]
     pub fn shape<T: Trig>(&self, slip: f64) -> f64 {
-        T::sin(self.c * T::atan(Self::bend::<T>(self.b, self.e, slip)))
+        let bt = self.b * slip;
+        T::sin(self.c * T::atan(Self::bend(self.e, bt, T::atan(bt))))
     }
 
-    /// Bτ − E(Bτ − atan(Bτ)).
+    /// Bτ − E(Bτ − atan(Bτ)) of E, Bτ and atan(Bτ).
     #[inline(always)]
-    pub fn bend<T: Trig>(b: f64, e: f64, slip: f64) -> f64 {
-        let bt = b * slip;
-        bt - e * (bt - T::atan(bt))
+    pub fn bend(e: f64, bt: f64, atan_bt: f64) -> f64 {
+        bt - e * (bt - atan_bt)
     }
 
     /// F/D, by the `libm` crate.
