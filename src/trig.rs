@@ -1,7 +1,7 @@
 //! The functions of tyre model and noise, twice: as branch-free polynomials that turn into vector code and give the same
 //! bits on every machine, and from the `libm` crate as the oracle of the first.
 
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 /// `yes` if `condition`, else `no`, by masks: the compiler never makes a branch of it, which would keep a loop over lanes
@@ -121,13 +121,18 @@ fn atan_near(t: f64) -> f64 {
     t * (quad(&ATAN, 0, u, u2) + (quad(&ATAN, 4, u, u2) + pair(&ATAN, 8, u) * u4) * u4)
 }
 
-/// [`Polynomial::atan`] of all lanes, to the bit; in half the time where all of them are small.
+/// Puts `then(lane, x, arctan x)` in place of x in all lanes, to the bit as by [`Polynomial::atan`] and in half the time where
+/// all of them are small.
 #[inline(always)]
-pub fn atan_lanes(x: &mut Lanes) {
+pub fn with_atan(x: &mut Lanes, then: impl Fn(usize, f64, f64) -> f64) {
     if x.iter().fold(true, |all, x| all & (x.abs() < TAN_PI_8)) {
-        x.iter_mut().for_each(|x| *x = atan_near(*x));
+        for lane in 0..LANES {
+            x[lane] = then(lane, x[lane], atan_near(x[lane]));
+        }
     } else {
-        x.iter_mut().for_each(|x| *x = Polynomial::atan(*x));
+        for lane in 0..LANES {
+            x[lane] = then(lane, x[lane], Polynomial::atan(x[lane]));
+        }
     }
 }
 

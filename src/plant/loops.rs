@@ -13,7 +13,7 @@ use super::seven_dof::{Car, Drive, Forces, Grip, Slip, forces, left_across, peak
 use super::tyre::Tyre;
 use super::{Inputs, PlantBlock};
 use crate::lanes::{Flags, LANES, Lanes};
-use crate::trig::{Polynomial, Trig, atan_lanes};
+use crate::trig::{Polynomial, Trig, with_atan};
 
 /// Numbers that one loop over the lanes leaves to the next.
 #[repr(align(64))]
@@ -65,7 +65,7 @@ impl Tyres {
     #[inline(always)]
     fn shape<L: Layout>(&mut self, block: &PlantBlock) {
         for i in L::TYRES.iter().filter(|i| **i >= 4) {
-            atan_lanes(&mut self.slip.0[*i]);
+            with_atan(&mut self.slip.0[*i], |_, _, angle| angle);
         }
         for i in L::TYRES {
             let [b, _, e] = Car::tyre_columns(&block.cars, *i);
@@ -73,19 +73,11 @@ impl Tyres {
             for lane in 0..LANES {
                 x[lane] = b[lane] * self.slip.0[*i][lane];
             }
-            let mut angle = *x;
-            atan_lanes(&mut angle);
-            for lane in 0..LANES {
-                x[lane] = Tyre::bend(e[lane], x[lane], angle[lane]);
-            }
+            with_atan(x, |lane, bt, angle| Tyre::bend(e[lane], bt, angle));
         }
         for i in L::TYRES {
             let [_, c, _] = Car::tyre_columns(&block.cars, *i);
-            let x = &mut self.shape.0[*i];
-            atan_lanes(x);
-            for lane in 0..LANES {
-                x[lane] *= c[lane];
-            }
+            with_atan(&mut self.shape.0[*i], |lane, _, angle| c[lane] * angle);
         }
         for i in L::TYRES {
             for x in &mut self.shape.0[*i] {

@@ -59,6 +59,7 @@ fn main() {
     let sumo = find_sumo(None).expect("a SUMO: .ci/with-sumo cargo bench --bench scale");
     let wanted = |name: &str| arguments.is_empty() || arguments.iter().any(|a| a == name);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/bench");
+    std::fs::create_dir_all(&folder).expect("a folder for the figures");
     let mut scenes: Vec<Scene> = Vec::new();
     for cars in [100, 1_000, 5_000, 20_000] {
         if wanted(&cars.to_string()) {
