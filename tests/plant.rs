@@ -334,8 +334,30 @@ fn val_default_substep_against_the_implicit_reference() {
     let plant = (seven_dof.build)(&Values::defaults(seven_dof.keys));
     let error = worst_speed_error(&replay(&*plant, &drive, 0.0), &exact);
     println!("worst speed error at the default substep over 60 s of stop and go: {error:e} m/s");
+    let finer = worst_speed_error(&replay(&SevenDof::new(0.005), &drive, 0.0), &exact);
+    println!("at half of it: {finer:e} m/s");
     assert!(exact.iter().any(|s| s.vx_mps > 13.0) && exact.iter().any(|s| s.yaw_rate_radps.abs() > 0.2));
     assert!(error <= 1e-3, "{error} m/s");
+}
+
+#[test]
+fn val_rough_torques_against_the_implicit_reference() {
+    let mut random = Stream::new(1, "torque", "rough");
+    let noisy: Vec<_> =
+        urban_drive(60).iter().map(|&(torque, steer)| (torque + 1000.0 * random.normal(), steer)).collect();
+    // From standstill with several times the torque that the tyres bear, the wheels spin at once.
+    let spin = vec![(8000.0, 0.0); 300];
+    for (name, drive, bounds) in [("noise of 1 000 N·m", &noisy, [0.05, 0.05]), ("spinning wheels", &spin, [0.15, 0.1])]
+    {
+        let exact = replay(&Reference::new(1e-7), drive, 0.0);
+        for (substep_s, bound) in [0.01, 0.005].into_iter().zip(bounds) {
+            let run = replay(&SevenDof::new(substep_s), drive, 0.0);
+            let square = run.iter().zip(&exact).map(|(a, b)| (a.vx_mps - b.vx_mps).powi(2)).sum::<f64>();
+            let (worst, rms) = (worst_speed_error(&run, &exact), (square / run.len() as f64).sqrt());
+            println!("{name}, substep {substep_s} s: worst speed error {worst:.1e}, RMS {rms:.1e} m/s");
+            assert!(worst <= bound, "{name}, {substep_s} s: {worst} m/s");
+        }
+    }
 }
 
 #[test]

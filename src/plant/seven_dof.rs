@@ -138,7 +138,7 @@ impl Car {
         }
     }
 
-    /// The tyre of a wheel, or of an axle across, in the order of [`Slips`].
+    /// The tyre of a wheel, or of an axle across, in the order of [`slips`].
     #[inline(always)]
     pub fn tyre(&self, i: usize) -> &Tyre {
         if i < 4 { &self.longitudinal[i / 2] } else { &self.lateral[i - 4] }
