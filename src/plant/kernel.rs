@@ -20,7 +20,7 @@ use crate::trig::Libm;
 /// # Accuracy of the default substep of 10 ms
 /// Against [`super::oracle`], worst error of V_x: 8e-4 m/s in 60 s of stop and go with bends and jumps of the torque by
 /// 7 m/s² (5 ms: 8e-5). With white noise of 1 000 N·m on the torque 2e-3 m/s RMS, 0.04 m/s where the noise decides when the car
-/// stops; 8 000 N·m from standstill, four times what the tyres bear, leave 0.12 m/s (5 ms: 0.05). `tests/plant.rs` prints them.
+/// stops; 8 000 N·m from standstill, several times what the tyres bear, leave 0.12 m/s (5 ms: 0.05). `tests/plant.rs` prints them.
 #[derive(Debug, Clone, Copy)]
 pub struct SevenDof {
     substep_s: f64,
