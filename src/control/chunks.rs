@@ -1,0 +1,112 @@
+//! Long windows by chunks: what sixteen samples in a row add to F̂, whatever their place in the window.
+//!
+//! The weights of the estimator are polynomials of a sample's place. With x the place from the middle of the window, in periods,
+//! sample x = p + j of a chunk around p adds w(p + j), and the whole chunk a polynomial of p:
+//! ```text
+//! w(x) = −2c x y + d (n²/4 − x²) v        c, d from the window; the halves at its two ends apart
+//! Σ w(p + j) = c₀ + c₁p + c₂p²            c₀ = Σ −2c j y + d (n²/4 − j²) v,   c₁ = Σ −2c y − 2d j v,   c₂ = Σ −d v
+//! ```
+//! The three sums are taken once, when the chunk's newest sample comes in, over the samples themselves and always in the same
+//! order. They stay beside that sample and serve at every place that the chunk takes while it is in the window. So an
+//! estimate remains a function of the window's content, to the bit, and reads a sixth of it.
+
+use super::estimator::Sample;
+use crate::lanes::{LANES, Lanes, vectorised};
+
+/// Samples of a chunk.
+pub(super) const LENGTH: usize = 16;
+
+/// What a chunk adds to F̂: the coefficients of 1, p and p².
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Chunk([Lanes; 3]);
+
+/// The coefficients of each of a chunk's samples: of y in c₀ and c₁, of v in all three.
+#[derive(Debug, Clone, Copy)]
+struct Share {
+    y: [f64; 2],
+    v: [f64; 3],
+}
+
+/// The chunks of a window: one for every sample, of which it is the newest.
+#[derive(Debug, Clone)]
+pub(super) struct Chunks {
+    shares: [Share; LENGTH],
+    /// Places p of the chunks that make up the window, oldest first.
+    places: Vec<f64>,
+    /// A ring like that of the samples.
+    ring: Vec<Chunk>,
+}
+
+impl Chunks {
+    /// For a window of `intervals`, the first `singles` and the last one of its samples being counted one by one; `c` and `d`
+    /// as in the head of this file.
+    pub(super) fn new(intervals: usize, singles: usize, c: f64, d: f64) -> Self {
+        let half = 0.5 * intervals as f64;
+        let middle = 0.5 * (LENGTH - 1) as f64;
+        let share = |k: usize| {
+            let j = k as f64 - middle;
+            Share { y: [-2.0 * c * j, -2.0 * c], v: [d * (half * half - j * j), -2.0 * d * j, -d] }
+        };
+        let firsts = (singles..intervals).step_by(LENGTH);
+        let places = firsts.map(|first| first as f64 + middle - half).collect();
+        Self { shares: std::array::from_fn(share), places, ring: vec![Chunk([[0.0; LANES]; 3]); intervals + 1] }
+    }
+
+    /// Takes the chunk of the newest sample, `samples[newest]`, from the samples.
+    pub(super) fn take(&mut self, samples: &[Sample], newest: usize) {
+        let first = (newest + samples.len() + 1 - LENGTH) % samples.len();
+        let before_end = LENGTH.min(samples.len() - first);
+        let (older, newer) = (&samples[first..first + before_end], &samples[..LENGTH - before_end]);
+        gather(&self.shares, older, newer, &mut self.ring[newest]);
+    }
+
+    /// Adds all chunks to `sum`, oldest first, where `newest` is the place of the newest sample in the ring.
+    pub(super) fn add(&self, newest: usize, sum: &mut Lanes) {
+        combine(&self.places, &self.ring, newest, sum);
+    }
+
+    /// Fills a slot with chunks of a constant speed and zero input.
+    pub(super) fn fill(&mut self, slot: usize, y_mps: f64) {
+        let constant = [Sample { y: [y_mps; LANES], v: [0.0; LANES] }; LENGTH];
+        let mut chunk = Chunk([[0.0; LANES]; 3]);
+        gather(&self.shares, &constant, &[], &mut chunk);
+        for Chunk(known) in &mut self.ring {
+            for (known, c) in known.iter_mut().zip(&chunk.0) {
+                known[slot] = c[slot];
+            }
+        }
+    }
+}
+
+vectorised! {
+    /// Sums up the samples of a chunk, oldest first; the ring's end may lie between them.
+    fn gather(shares: &[Share; LENGTH], older: &[Sample], newer: &[Sample], chunk: &mut Chunk) {
+        let mut sums = [[0.0; LANES]; 3];
+        for (share, sample) in shares.iter().zip(older.iter().chain(newer)) {
+            for i in 0..LANES {
+                let (y, v) = (sample.y[i], sample.v[i]);
+                sums[0][i] += share.y[0] * y + share.v[0] * v;
+                sums[1][i] += share.y[1] * y + share.v[1] * v;
+                sums[2][i] += share.v[2] * v;
+            }
+        }
+        chunk.0 = sums;
+    }
+}
+
+vectorised! {
+    /// Adds the chunks that end 1, 1 + 16, 1 + 32, ... samples before the newest, the oldest of them first.
+    fn combine(places: &[f64], ring: &[Chunk], newest: usize, sum: &mut Lanes) {
+        let mut total = *sum;
+        let mut at = newest + ring.len() - 1 - LENGTH * (places.len() - 1);
+        for &p in places {
+            let Chunk([c_0, c_1, c_2]) = &ring[if at >= ring.len() { at - ring.len() } else { at }];
+            for i in 0..LANES {
+                total[i] += c_0[i] + p * (c_1[i] + p * c_2[i]);
+            }
+            at += LENGTH;
+        }
+        *sum = total;
+    }
+}
