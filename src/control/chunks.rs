@@ -7,8 +7,9 @@
 //! Σ w(p + j) = c₀ + c₁p + c₂p²            c₀ = Σ −2c j y + d (n²/4 − j²) v,   c₁ = Σ −2c y − 2d j v,   c₂ = Σ −d v
 //! ```
 //! The three sums are taken once, when the chunk's newest sample comes in, over the samples themselves and always in the same
-//! order. They stay beside that sample and serve at every place that the chunk takes while it is in the window. So an
-//! estimate remains a function of the window's content, to the bit, and reads a sixth of it.
+//! order: in pairs j and −j, from the outermost one inwards. They stay beside that sample and serve at every place that the
+//! chunk takes while it is in the window. So an estimate remains a function of the window's content, to the bit, and reads
+//! a sixth of it.
 
 use super::estimator::Sample;
 use crate::lanes::{LANES, Lanes, vectorised};
@@ -21,17 +22,31 @@ pub(super) const LENGTH: usize = 16;
 #[repr(align(64))]
 pub(super) struct Chunk([Lanes; 3]);
 
-/// The coefficients of each of a chunk's samples: of y in c₀ and c₁, of v in all three.
+/// The coefficients of a pair of samples, j and −j.
 #[derive(Debug, Clone, Copy)]
-struct Share {
-    y: [f64; 2],
-    v: [f64; 3],
+struct Pair {
+    /// −2c j, of the difference of y in c₀.
+    y: f64,
+    /// d (n²/4 − j²), of the sum of v in c₀.
+    v: f64,
+    /// −2d j, of the difference of v in c₁.
+    slope: f64,
+}
+
+/// The coefficients of a chunk's samples.
+#[derive(Debug, Clone, Copy)]
+struct Shares {
+    pairs: [Pair; LENGTH / 2],
+    /// −2c, of y in c₁.
+    y: f64,
+    /// −d, of v in c₂.
+    v: f64,
 }
 
 /// The chunks of a window: one for every sample, of which it is the newest.
 #[derive(Debug, Clone)]
 pub(super) struct Chunks {
-    shares: [Share; LENGTH],
+    shares: Shares,
     /// Places p of the chunks that make up the window, oldest first.
     places: Vec<f64>,
     /// A ring like that of the samples.
@@ -44,21 +59,19 @@ impl Chunks {
     pub(super) fn new(intervals: usize, singles: usize, c: f64, d: f64) -> Self {
         let half = 0.5 * intervals as f64;
         let middle = 0.5 * (LENGTH - 1) as f64;
-        let share = |k: usize| {
-            let j = k as f64 - middle;
-            Share { y: [-2.0 * c * j, -2.0 * c], v: [d * (half * half - j * j), -2.0 * d * j, -d] }
+        let pair = |k: usize| {
+            let j = middle - k as f64;
+            Pair { y: -2.0 * c * j, v: d * (half * half - j * j), slope: -2.0 * d * j }
         };
+        let shares = Shares { pairs: std::array::from_fn(pair), y: -2.0 * c, v: -d };
         let firsts = (singles..intervals).step_by(LENGTH);
         let places = firsts.map(|first| first as f64 + middle - half).collect();
-        Self { shares: std::array::from_fn(share), places, ring: vec![Chunk([[0.0; LANES]; 3]); intervals + 1] }
+        Self { shares, places, ring: vec![Chunk([[0.0; LANES]; 3]); intervals + 1] }
     }
 
     /// Takes the chunk of the newest sample, `samples[newest]`, from the samples.
     pub(super) fn take(&mut self, samples: &[Sample], newest: usize) {
-        let first = (newest + samples.len() + 1 - LENGTH) % samples.len();
-        let before_end = LENGTH.min(samples.len() - first);
-        let (older, newer) = (&samples[first..first + before_end], &samples[..LENGTH - before_end]);
-        gather(&self.shares, older, newer, &mut self.ring[newest]);
+        gather(&self.shares, samples, newest, &mut self.ring[newest]);
     }
 
     /// Adds all chunks to `sum`, oldest first, where `newest` is the place of the newest sample in the ring.
@@ -70,7 +83,7 @@ impl Chunks {
     pub(super) fn fill(&mut self, slot: usize, y_mps: f64) {
         let constant = [Sample { y: [y_mps; LANES], v: [0.0; LANES] }; LENGTH];
         let mut chunk = Chunk([[0.0; LANES]; 3]);
-        gather(&self.shares, &constant, &[], &mut chunk);
+        gather(&self.shares, &constant, LENGTH - 1, &mut chunk);
         for Chunk(known) in &mut self.ring {
             for (known, c) in known.iter_mut().zip(&chunk.0) {
                 known[slot] = c[slot];
@@ -80,18 +93,25 @@ impl Chunks {
 }
 
 vectorised! {
-    /// Sums up the samples of a chunk, oldest first; the ring's end may lie between them.
-    fn gather(shares: &[Share; LENGTH], older: &[Sample], newer: &[Sample], chunk: &mut Chunk) {
-        let mut sums = [[0.0; LANES]; 3];
-        for (share, sample) in shares.iter().zip(older.iter().chain(newer)) {
+    /// Sums up the last samples of a ring to a chunk.
+    fn gather(shares: &Shares, ring: &[Sample], newest: usize, chunk: &mut Chunk) {
+        let [mut c_0, mut y_sum, mut v_slope, mut v_sum] = [[0.0; LANES]; 4];
+        let back = |k: usize| if newest >= k { &ring[newest - k] } else { &ring[newest + ring.len() - k] };
+        for (k, pair) in shares.pairs.iter().enumerate() {
+            let (newer, older) = (back(k), back(LENGTH - 1 - k));
             for i in 0..LANES {
-                let (y, v) = (sample.y[i], sample.v[i]);
-                sums[0][i] += share.y[0] * y + share.v[0] * v;
-                sums[1][i] += share.y[1] * y + share.v[1] * v;
-                sums[2][i] += share.v[2] * v;
+                let v = newer.v[i] + older.v[i];
+                c_0[i] += pair.y * (newer.y[i] - older.y[i]) + pair.v * v;
+                y_sum[i] += newer.y[i] + older.y[i];
+                v_slope[i] += pair.slope * (newer.v[i] - older.v[i]);
+                v_sum[i] += v;
             }
         }
-        chunk.0 = sums;
+        chunk.0[0] = c_0;
+        for i in 0..LANES {
+            chunk.0[1][i] = shares.y * y_sum[i] + v_slope[i];
+            chunk.0[2][i] = shares.v * v_sum[i];
+        }
     }
 }
 

@@ -226,15 +226,17 @@ mod tests {
         let singles = 1 + (intervals - 1) % 16;
         let mut sum = (0..singles).fold(0.0, one);
         for first in (singles..intervals).step_by(16) {
-            let mut chunk = [0.0; 3];
-            for (k, (y, v)) in samples[first..first + 16].iter().enumerate() {
-                let j = k as f64 - 7.5;
-                chunk[0] += -2.0 * c * j * y + d * (0.5 * n * (0.5 * n) - j * j) * v;
-                chunk[1] += -2.0 * c * y + -2.0 * d * j * v;
-                chunk[2] += -d * v;
+            let [mut chunk, mut sums] = [[0.0; 2], [0.0; 2]];
+            for k in 0..8 {
+                let j = 7.5 - k as f64;
+                let ((y, v), (y_older, v_older)) = (samples[first + 15 - k], samples[first + k]);
+                chunk[0] += -2.0 * c * j * (y - y_older) + d * (0.5 * n * (0.5 * n) - j * j) * (v + v_older);
+                chunk[1] += -2.0 * d * j * (v - v_older);
+                sums = [sums[0] + (y + y_older), sums[1] + (v + v_older)];
             }
+            let [slope, bend] = [-2.0 * c * sums[0] + chunk[1], -d * sums[1]];
             let p = first as f64 + 7.5 - 0.5 * n;
-            sum += chunk[0] + p * (chunk[1] + p * chunk[2]);
+            sum += chunk[0] + p * (slope + p * bend);
         }
         one(sum, intervals)
     }
