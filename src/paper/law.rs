@@ -132,7 +132,7 @@ pub fn run(lab: &Lab, preset: &Preset, results: &Results) -> Result<Finding, Pap
         ],
         isotropic: false,
     };
-    Ok(Finding { rows, figures: vec![Figure::chart("law_overshoot_ratio", &chart)], series: Vec::new() })
+    Ok(Finding { rows, figures: vec![Figure::chart("law_overshoot_ratio", &chart)], series: Vec::new(), map: None })
 }
 
 /// The presets' own step tests, in which b is not small against α.
