@@ -198,7 +198,7 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
     whole.rows.extend(driver::beside_prompt(&whole.rows));
     if tests.iter().any(|t| t.name == "step") {
         let results = Results { rows: whole.rows.clone(), map: None };
-        whole.extend(law::run(&lab, presets[0], &results)?);
+        whole.extend(law::run(&lab, &lab.library.presets[0], &results)?);
     }
     let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
     // Everything takes no minutes: a map that is there already costs nothing to show again, another one is not begun.

@@ -243,6 +243,19 @@ fn law_overshoots_are_in_the_ratio_two_roots_of_period_over_window() {
     }
 }
 
+/// ε and lag of a preset shift the ratio: the law is measured under the default preset, whichever is asked for.
+#[test]
+fn the_law_does_not_depend_on_the_preset_that_is_asked_for() {
+    let dir = folder();
+    let results = run(&Request { preset: Some("best".to_owned()), ..request("step", dir.path()) }).unwrap();
+    let lab = lab(dir.path());
+    let point = law::points().into_iter().find(|p| (p.period_s, p.window_s) == (0.01, 0.1)).unwrap();
+    let measured = |preset: &str| point.measured(&lab, lab.library.find(preset).unwrap()).unwrap();
+    let row = results.get("law_dt0.01_T0.1_kp8_m1719_a4_alpha1", "none", false, "adaptive", "overshoot_ratio").unwrap();
+    assert_eq!(row.value, Some(measured("default")));
+    assert!((measured("best") - measured("default")).abs() > 0.02, "it would show");
+}
+
 #[test]
 fn the_page_has_all_figures_and_needs_no_network() {
     let dir = folder();

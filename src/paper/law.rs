@@ -97,7 +97,8 @@ impl Point {
     }
 }
 
-/// Measures all points and draws them with the paper's own, whose Δt nobody knows, and those of the presets.
+/// Measures all points and draws them with the paper's own, whose Δt nobody knows, and those of the presets. What a point
+/// does not say is as in `preset`: an ε or a lag that is not small shifts the ratio.
 ///
 /// # Errors
 /// [`PaperError`] if the scenario cannot be read.
