@@ -9,7 +9,7 @@
 //! The three sums are taken once, when the chunk's newest sample comes in, over the samples themselves and always in the same
 //! order: in pairs j and −j, from the outermost one inwards. They stay beside that sample and serve at every place that the
 //! chunk takes while it is in the window. So an estimate remains a function of the window's content, to the bit, and reads
-//! a sixth of it.
+//! a fifth of it; the room that a window takes is two and a half times as much.
 
 use super::estimator::Sample;
 use crate::lanes::{LANES, Lanes, vectorised};
