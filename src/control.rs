@@ -5,6 +5,7 @@
 //! [`Controller::feedback`] with what became of it.
 
 mod calibrating;
+mod chunks;
 mod estimator;
 mod ideal;
 mod mfc;

@@ -13,6 +13,7 @@ pub mod law;
 pub mod library;
 pub mod map;
 pub mod map_page;
+pub mod map_summary;
 pub mod page;
 pub mod results;
 pub mod series;
@@ -27,6 +28,7 @@ use crate::run::RunError;
 use crate::scenario::{Override, ScenarioError};
 use figure::Figure;
 use library::{Library, Preset};
+use map_summary::Summary;
 use results::{Results, Row};
 use series::Series;
 use std::path::{Path, PathBuf};
@@ -77,6 +79,8 @@ pub struct Finding {
     pub figures: Vec<Figure>,
     /// What the figures show, as numbers.
     pub series: Vec<Series>,
+    /// What the map says, if it was made or is there.
+    pub map: Option<Summary>,
 }
 
 impl Finding {
@@ -85,6 +89,7 @@ impl Finding {
         self.rows.extend(other.rows);
         self.figures.extend(other.figures);
         self.series.extend(other.series);
+        self.map = self.map.take().or(other.map);
     }
 }
 
@@ -169,7 +174,8 @@ impl PaperError {
     }
 }
 
-/// Runs what is asked for and writes `results.csv`, `series/`, `figures/` and `index.html` into the folder.
+/// Runs what is asked for and writes `results.csv`, `series/`, `figures/` and `index.html` into the folder, of the map `map.csv`
+/// and `map_summary.csv` as well.
 ///
 /// # Errors
 /// [`PaperError`]
@@ -191,8 +197,8 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
     }
     whole.rows.extend(driver::beside_prompt(&whole.rows));
     if tests.iter().any(|t| t.name == "step") {
-        let results = Results { rows: whole.rows.clone() };
-        whole.extend(law::run(&lab, presets[0], &results)?);
+        let results = Results { rows: whole.rows.clone(), map: None };
+        whole.extend(law::run(&lab, &lab.library.presets[0], &results)?);
     }
     let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
     // Everything takes no minutes: a map that is there already costs nothing to show again, another one is not begun.
@@ -243,7 +249,10 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
     for figure in &whole.figures {
         write(&dir.join("figures").join(format!("{}.svg", figure.name)), &figure.file())?;
     }
-    let results = Results { rows: whole.rows.clone() };
+    if let Some(summary) = &whole.map {
+        write(&dir.join("map_summary.csv"), &summary.to_csv())?;
+    }
+    let results = Results { rows: whole.rows.clone(), map: whole.map.clone() };
     write(&dir.join("results.csv"), &results.to_csv())?;
     write(&dir.join("index.html"), &page::page(lab, presets, &results, &whole))?;
     Ok(results)

@@ -204,14 +204,14 @@ fn claims_in_words_are_judged_by_their_criteria() {
         ("sine", "overshoot_1", Some(6.0), Some(3.1), NotReproduced),
     ] {
         let rows = vec![row(test, "classic", quantity, classic), row(test, "adaptive", quantity, adaptive)];
-        let results = Results { rows };
+        let results = Results { rows, map: None };
         assert_eq!(results.verdict(&results.rows[1]), Some(wanted), "{test} {quantity} {classic:?} {adaptive:?}");
         let [numbers, words] = results.counts("p");
         assert_eq!(numbers.all(), 0, "no number is published");
         assert!(words.all() >= 1 && (wanted != Reproduced || words.reproduced >= 1), "{words:?}");
     }
     let disturbed = ["disturb", "disturb_grade_plus_5"].map(|test| row(test, "adaptive", "error_rms", Some(0.4)));
-    let results = Results { rows: disturbed.to_vec() };
+    let results = Results { rows: disturbed.to_vec(), map: None };
     assert_eq!(results.verdict(&results.rows[0]), None, "what is compared with claims nothing");
     assert_eq!(results.verdict(&results.rows[1]), Some(Reproduced));
 }
@@ -241,6 +241,19 @@ fn law_overshoots_are_in_the_ratio_two_roots_of_period_over_window() {
         let apart = measured - point.predicted();
         assert!(apart.abs() < 0.04, "{point:?}: {measured}, predicted {}", point.predicted());
     }
+}
+
+/// ε and lag of a preset shift the ratio: the law is measured under the default preset, whichever is asked for.
+#[test]
+fn the_law_does_not_depend_on_the_preset_that_is_asked_for() {
+    let dir = folder();
+    let results = run(&Request { preset: Some("best".to_owned()), ..request("step", dir.path()) }).unwrap();
+    let lab = lab(dir.path());
+    let point = law::points().into_iter().find(|p| (p.period_s, p.window_s) == (0.01, 0.1)).unwrap();
+    let measured = |preset: &str| point.measured(&lab, lab.library.find(preset).unwrap()).unwrap();
+    let row = results.get("law_dt0.01_T0.1_kp8_m1719_a4_alpha1", "none", false, "adaptive", "overshoot_ratio").unwrap();
+    assert_eq!(row.value, Some(measured("default")));
+    assert!((measured("best") - measured("default")).abs() > 0.02, "it would show");
 }
 
 #[test]
@@ -393,6 +406,61 @@ fn the_map_is_drawn_for_every_delay() {
     };
     assert!(is_there("default", &map::Grid::coarse()));
     assert!(!is_there("best", &map::Grid::coarse()) && !is_there("default", &map::Grid::whole()), "not this map");
+}
+
+/// The table of the map, against one that is worked out here from the cells alone.
+#[test]
+fn law_the_maps_summary_is_what_its_cells_say() {
+    let dir = folder();
+    let results = run(&request("map", dir.path())).unwrap();
+    let read = |name: &str| fs::read_to_string(dir.path().join(name)).unwrap();
+    let cells = read("map.csv");
+    let cells: Vec<(&str, Vec<f64>)> = cells
+        .lines()
+        .skip(2)
+        .map(|line| line.split_once(',').unwrap())
+        .map(|(law, rest)| (law, rest.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect()))
+        .collect();
+    // Δt, gain 1, gain 2, scale, limit, delay, RMS error, overshoot
+    let error = |law: &str, period: f64, delay: f64, factor: f64| {
+        let here = cells.iter().filter(|(l, c)| *l == law && c[0] == period && c[5] == delay).map(|(_, c)| c);
+        let right = |c: &&&Vec<f64>| ["classic", "adaptive"].contains(&law) || c[3] == 1.0;
+        let here: Vec<&Vec<f64>> = here.collect();
+        let best = here.iter().filter(right).min_by(|a, b| a[6].total_cmp(&b[6])).unwrap();
+        here.iter().find(|c| c[1] == best[1] && c[2] == best[2] && c[3] == factor * best[3]).map(|c| c[6])
+    };
+    let summary = read("map_summary.csv");
+    let mut compared = 0;
+    for line in summary.lines().skip(1) {
+        let fields: Vec<&str> = line.split(',').collect();
+        let number = |i: usize| fields[i].parse::<f64>().unwrap();
+        let mut ratios: Vec<(f64, [f64; 2])> = Vec::new();
+        for (period, delay) in [(0.01, 0.0), (0.01, 0.25), (0.02, 0.0), (0.02, 0.25)] {
+            let of = |law: &str| error(law, period, delay, number(2));
+            if let Some((mine, other)) = of(fields[0]).zip(of(fields[1])) {
+                ratios.push((mine / other, [period, delay]));
+            }
+        }
+        ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert_eq!(number(3), ratios.len() as f64, "{line}");
+        let Some(&(largest, [period, delay])) = ratios.last() else { continue };
+        let middle = 0.5 * (ratios[(ratios.len() - 1) / 2].0 + ratios[ratios.len() / 2].0);
+        assert_eq!([number(5), number(6), number(7)], [middle, ratios[0].0, largest], "{line}");
+        assert_eq!([number(8), number(9), number(10)], [period, 5.3, delay], "{line}");
+        assert!((number(11) / number(12) / largest - 1.0).abs() < 1e-12, "{line}");
+        compared += ratios.len();
+    }
+    assert_eq!(summary.lines().count(), 1 + 4 * 3 * 2, "each law over each other one, by factor");
+    assert!(compared > 50, "{compared}");
+
+    // The page and the command tell the same; the map is there, so that nothing is computed again.
+    let line = summary.lines().find(|l| l.starts_with("calibrating,pid,0.5,")).unwrap();
+    let [median, least, largest] = [5, 6, 7].map(|i| line.split(',').nth(i).unwrap().parse::<f64>().unwrap());
+    let cell = format!("{median:.2} ({least:.2} … {largest:.2}), 4");
+    assert!(read("index.html").contains(&cell));
+    assert!(results.table().contains(&cell));
+    let printed = command().args(["paper", "map", "--coarse", "--preset", "default", "-o"]).arg(dir.path()).assert();
+    printed.success().stdout(predicate::str::contains(&cell).and(predicate::str::contains("Where each law is worst")));
 }
 
 /// A disturbance that is no step for the body cannot be told from none; a mass of one and a half can.

@@ -77,7 +77,7 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
         rows.extend(numbers(&world, preset, controller)?);
     }
     let figures = vec![figure(preset, &names, &rows)];
-    Ok(Finding { rows, figures, series: Vec::new() })
+    Ok(Finding { rows, figures, series: Vec::new(), map: None })
 }
 
 fn numbers(world: &World, preset: &Preset, controller: &'static str) -> Result<Vec<Row>, PaperError> {

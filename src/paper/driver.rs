@@ -68,7 +68,7 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
         if !drives.is_empty() {
             let name = format!("{test}{suffix}");
             let (figures, series) = (figures(preset, &name, &drives), Series::all(&name, preset, &drives));
-            finding.extend(Finding { rows: rows.concat(), figures, series });
+            finding.extend(Finding { rows: rows.concat(), figures, series, map: None });
         }
     }
     Ok(finding)

@@ -97,7 +97,8 @@ impl Point {
     }
 }
 
-/// Measures all points and draws them with the paper's own, whose Δt nobody knows, and those of the presets.
+/// Measures all points and draws them with the paper's own, whose Δt nobody knows, and those of the presets. What a point
+/// does not say is as in `preset`: an ε or a lag that is not small shifts the ratio.
 ///
 /// # Errors
 /// [`PaperError`] if the scenario cannot be read.
@@ -132,7 +133,7 @@ pub fn run(lab: &Lab, preset: &Preset, results: &Results) -> Result<Finding, Pap
         ],
         isotropic: false,
     };
-    Ok(Finding { rows, figures: vec![Figure::chart("law_overshoot_ratio", &chart)], series: Vec::new() })
+    Ok(Finding { rows, figures: vec![Figure::chart("law_overshoot_ratio", &chart)], series: Vec::new(), map: None })
 }
 
 /// The presets' own step tests, in which b is not small against α.

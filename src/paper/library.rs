@@ -70,7 +70,8 @@ impl Library {
     /// to `spare`.
     ///
     /// # Errors
-    /// [`PaperError::File`] if a file cannot be read or written, [`PaperError::Fragment`] if it is not what it should be.
+    /// [`PaperError::File`] if a file cannot be read or written, [`PaperError::Fragment`] if it is not what it should be or
+    /// there is no preset.
     pub fn open(spare: &Path, sets: &[Override]) -> Result<Self, PaperError> {
         let here = Path::new(IN_REPOSITORY);
         let folder = if here.join("presets").is_dir() { here.to_owned() } else { carry(spare)? };
@@ -80,6 +81,10 @@ impl Library {
             .filter_map(|entry| Some(entry.ok()?.file_name().to_str()?.strip_suffix(".toml")?.to_owned()))
             .collect();
         names.sort_by_key(|name| (name != "default", name != "best", name.clone()));
+        if names.is_empty() {
+            let what = "presets: no file *.toml, wanted at least one".to_owned();
+            return Err(PaperError::Fragment { path: library.folder, what });
+        }
         library.presets = names.into_iter().map(|name| library.preset(name)).collect::<Result<_, _>>()?;
         Ok(library)
     }

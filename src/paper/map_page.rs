@@ -4,6 +4,7 @@ use super::Finding;
 use super::figure::Figure;
 use super::heat::{Heat, Panel};
 use super::map::{Cell, Grid, LAWS, second_key};
+use super::map_summary::Summary;
 use super::results::{Row, Rows};
 
 /// The finished map.
@@ -36,17 +37,17 @@ const PAIRS: [(&str, &str); 6] = [
 
 /// The best choice of a law's two values under one condition, and what it is worth when the torque scale is wrong.
 #[derive(Debug, Clone, PartialEq)]
-struct Tuned {
-    law: &'static str,
+pub(super) struct Tuned {
+    pub law: &'static str,
     best: Cell,
     /// The same gains by factor; none where the table ends.
-    wrong: Vec<Option<Cell>>,
+    pub wrong: Vec<Option<Cell>>,
 }
 
 impl Map {
     /// Everything that is shown of it. `mark` is the paper's point: Δt, K_P and b of a preset.
     pub fn finding(&self, preset: &str, mark: [f64; 3]) -> Finding {
-        let mut finding = Finding::default();
+        let mut finding = Finding { map: Some(Summary::of(self)), ..Finding::default() };
         for (value, title, of) in VALUES {
             for &delay_s in &self.grid.delays_s {
                 for &limit_mps2 in &self.grid.limits_mps2 {
@@ -139,7 +140,7 @@ impl Map {
     }
 
     /// The best choice of every law under every condition.
-    fn tuned(&self) -> Vec<(String, Vec<Tuned>)> {
+    pub(super) fn tuned(&self) -> Vec<(String, Vec<Tuned>)> {
         let mut all = Vec::new();
         for &period_s in &self.grid.periods_s {
             for &limit_mps2 in &self.grid.limits_mps2 {

@@ -74,8 +74,8 @@ const ABOUT: &[(&str, &str, &str, &str)] = &[
         "Where adaptation helps",
         "Not in the paper: nobody has published where in the space of its open values the adaptive law is better.",
         "RMS error on the noisy lap and overshoot of the first step over torque scale, K_P, control period, torque limit and delay. Blue: the \
-         first law is better. The ring is this preset. The lower maps compare the laws with equal tuning: for all three the same \
-         exhaustive search over 9 x 9 values (K_P and b, or k_p and k_i) for the least RMS error, then the torque scale is wrong \
+         first law is better. The ring is this preset. The table and the lower maps compare the laws with equal tuning: for all four the same \
+         exhaustive search over 9 x 9 values (K_P and b, K_P and T, or k_p and k_i) for the least RMS error, then the torque scale is wrong \
          by a factor that no controller knows.",
     ),
     (
@@ -111,6 +111,9 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
             // A preset may be called like a test.
             let of_preset = |f: &Figure| presets.iter().any(|p| f.name.starts_with(&format!("{}_", p.name)));
             let once = found.figures.iter().filter(|f| f.name.starts_with(&format!("{test}_")) && !of_preset(f));
+            if let Some(summary) = found.map.as_ref().filter(|_| *test == "map") {
+                html += &summary.html();
+            }
             html += &once.map(Figure::inline).collect::<String>();
             for (i, preset) in presets.iter().enumerate() {
                 html += &section(test, preset, i == 0, results, &found.figures);

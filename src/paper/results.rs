@@ -1,5 +1,6 @@
 //! `results.csv`: every number that came out, beside the published one where there is one, with a verdict that is computed.
 
+use super::map_summary::Summary;
 use super::{claims, sine};
 use std::fmt;
 use std::fmt::Write;
@@ -148,6 +149,8 @@ fn published(family: &str, controller: &str, quantity: &str) -> Option<Published
 pub struct Results {
     /// In the order in which they are written.
     pub rows: Vec<Row>,
+    /// What the map says, if there is one.
+    pub map: Option<Summary>,
 }
 
 impl Results {
@@ -181,7 +184,7 @@ impl Results {
         })
     }
 
-    /// What stands for a published number, as a table for the terminal.
+    /// What stands for a published number, as a table for the terminal, and what the map says.
     pub fn table(&self) -> String {
         let mut text = String::new();
         for row in self.rows.iter().filter(|r| r.is_shown()) {
@@ -198,7 +201,7 @@ impl Results {
                 published.number(),
             );
         }
-        text
+        text + &self.map.as_ref().map(Summary::text).unwrap_or_default()
     }
 
     /// How many of what a preset's rows stand for came out: reproduced, partly, not; of numbers and of claims in words. The paper

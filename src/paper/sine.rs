@@ -62,7 +62,7 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
         let (rows, moments): (Vec<_>, Vec<_>) = driven.into_iter().unzip();
         let drives: Vec<_> = CONTROLLERS.into_iter().zip(moments).collect();
         let (figures, series) = (figures(test, preset, &drives), Series::all(test, preset, &drives));
-        finding.extend(Finding { rows: rows.concat(), figures, series });
+        finding.extend(Finding { rows: rows.concat(), figures, series, map: None });
     }
     Ok(finding)
 }

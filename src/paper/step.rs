@@ -144,7 +144,7 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
         rows.extend(numbers(&Rows { test: "step", preset: &preset.name, controller }, &drive));
         drives.push((controller, drive.exact));
     }
-    Ok(Finding { rows, figures: figures(preset, &drives), series: Series::all("step", preset, &drives) })
+    Ok(Finding { rows, figures: figures(preset, &drives), series: Series::all("step", preset, &drives), map: None })
 }
 
 fn numbers(rows: &Rows, drive: &Drive) -> Vec<Row> {

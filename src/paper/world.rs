@@ -87,6 +87,7 @@ pub struct Trip {
 /// A trip under way.
 struct Ride {
     trip: usize,
+    end: End,
     slot: Slot,
     periods: u32,
 }
@@ -161,7 +162,7 @@ impl<'a> World<'a> {
             {
                 let slot = start(&mut fleet, &trips[trip]);
                 profiles[slot.lane()] = &trips[trip].profile;
-                rides.push(Ride { trip, slot, periods: 0 });
+                rides.push(Ride { trip, end: trips[trip].end, slot, periods: 0 });
             }
             if rides.is_empty() {
                 break;
@@ -180,7 +181,7 @@ impl<'a> World<'a> {
                 let time_s = f64::from(ride.periods) * period_s;
                 let block = fleet.block_mut(slot);
                 watch(ride.trip, block, lane, time_s);
-                let there = match trips[ride.trip].end {
+                let there = match ride.end {
                     End::Distance(metres) => block.distance_m(lane) >= metres,
                     End::Time(seconds) => time_s >= seconds - 0.5 * period_s,
                 };

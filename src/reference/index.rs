@@ -1,41 +1,52 @@
 //! Where a value stands among sorted ones, in a time that does not depend on how many there are: an index of equal
 //! buckets, and a search within one.
 
+/// Buckets per value: in nearly all buckets nothing is left to search, so that nothing is guessed wrongly either.
+const FINENESS: usize = 16;
+
 /// The index of sorted, finite values.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Index {
     first: f64,
     buckets_per_unit: f64,
-    last_bucket: usize,
-    /// For each bucket the number of values before it, and the number of all at the end.
-    before: Vec<usize>,
+    last_bucket: f64,
+    buckets: Vec<Bucket>,
+}
+
+/// How many values are before a bucket, and how many up to its end.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+struct Bucket {
+    before: u32,
+    after: u32,
 }
 
 impl Index {
-    /// Indexes values in ascending order.
+    /// Indexes values in ascending order, fewer than 2³⁰.
     pub fn new(sorted: impl ExactSizeIterator<Item = f64> + Clone) -> Self {
-        let count = sorted.len();
+        let last_bucket = FINENESS * sorted.len();
         let (Some(first), Some(last)) = (sorted.clone().next(), sorted.clone().last()) else { return Self::default() };
-        let buckets_per_unit = if last > first { count as f64 / (last - first) } else { 0.0 };
-        let mut index = Self { first, buckets_per_unit, last_bucket: count, before: Vec::with_capacity(count + 2) };
-        for (i, value) in sorted.enumerate() {
+        let buckets_per_unit = if last > first { last_bucket as f64 / (last - first) } else { 0.0 };
+        let buckets = vec![Bucket::default(); last_bucket + 1];
+        let mut index = Self { first, buckets_per_unit, last_bucket: last_bucket as f64, buckets };
+        for value in sorted {
             let bucket = index.bucket(value);
-            while index.before.len() <= bucket {
-                index.before.push(i);
-            }
+            index.buckets[bucket].after += 1;
         }
-        index.before.resize(count + 2, count);
+        let mut count = 0;
+        for bucket in &mut index.buckets {
+            *bucket = Bucket { before: count, after: count + bucket.after };
+            count = bucket.after;
+        }
         index
     }
 
     /// How many of the values are at most `x`; `at` is the i-th value. Rounding does no harm: whatever falls into an earlier
     /// bucket than `x` is less than `x`, because the bucket never falls as the value grows.
+    #[inline]
     pub fn count_up_to(&self, x: f64, at: impl Fn(usize) -> f64) -> usize {
-        if self.before.is_empty() || x < self.first {
-            return 0;
-        }
-        let bucket = self.bucket(x);
-        let (mut low, mut high) = (self.before[bucket], self.before[bucket + 1]);
+        let known = x >= self.first;
+        let Some(bucket) = self.buckets.get(self.bucket(x)).filter(|_| known) else { return 0 };
+        let (mut low, mut high) = (bucket.before as usize, bucket.after as usize);
         while low < high {
             let middle = low.midpoint(high);
             if at(middle) <= x {
@@ -47,8 +58,9 @@ impl Index {
         low
     }
 
+    #[inline]
     fn bucket(&self, value: f64) -> usize {
-        (((value - self.first) * self.buckets_per_unit) as usize).min(self.last_bucket)
+        ((value - self.first) * self.buckets_per_unit).min(self.last_bucket) as u32 as usize
     }
 }
 

@@ -4,7 +4,8 @@ use super::ReferenceError;
 use super::index::Index;
 use super::recording::{self, RecordingOptions, Track};
 use crate::keys::{Key, Kind, Values};
-use std::f64::consts::TAU;
+use crate::trig::{Polynomial, Trig};
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::path::Path;
 
 pub(super) const KEYS: &[Key] = &[
@@ -204,6 +205,7 @@ impl Profile {
     /// The reference speed [m/s] and its rate [m/s²] for a vehicle that has driven `position_m` in `time_s` and moves at
     /// `speed_mps`. Over position the rate is dy_r/dt = v·dy_r/ds with the vehicle's own v. Outside the profile its first
     /// and last speeds hold. At a jump the rate is 0.
+    #[inline]
     pub fn at(&self, position_m: f64, time_s: f64, speed_mps: f64) -> (f64, f64) {
         let (x, x_rate) = match self.by {
             Axis::Position => (position_m, speed_mps),
@@ -211,14 +213,7 @@ impl Profile {
         };
         let (speed, slope) = match &self.shape {
             Shape::Lines(points, index) => on_lines(points, index, x),
-            Shape::Steps(points) => {
-                let next = points.partition_point(|p| p.at <= x);
-                (points[next.saturating_sub(1)].speed_mps, 0.0)
-            }
-            Shape::Sine { mean_mps, amplitude_mps, length } => {
-                let (sin, cos) = libm::sincos(TAU * x / length);
-                (mean_mps + amplitude_mps * sin, amplitude_mps * TAU / length * cos)
-            }
+            other => other.at(x),
         };
         (speed, slope * x_rate)
     }
@@ -248,6 +243,30 @@ impl Profile {
     }
 }
 
+impl Shape {
+    /// Speed [m/s] and slope [m/s per unit of the axis] at `x`.
+    fn at(&self, x: f64) -> (f64, f64) {
+        match self {
+            Self::Lines(points, index) => on_lines(points, index, x),
+            Self::Steps(points) => {
+                let next = points.partition_point(|p| p.at <= x);
+                (points[next.saturating_sub(1)].speed_mps, 0.0)
+            }
+            Self::Sine { mean_mps, amplitude_mps, length } => {
+                let (sin, cos) = turn(x / length);
+                (mean_mps + amplitude_mps * sin, amplitude_mps * TAU / length * cos)
+            }
+        }
+    }
+}
+
+/// Sine and cosine of so many turns, by the polynomials of the kernels: a reference is asked for in every period. Rounding
+/// must not take them beyond 1, lest a speed that should touch 0 turned negative.
+fn turn(turns: f64) -> (f64, f64) {
+    let angle = TAU * (turns - (turns + 0.5).floor());
+    [angle, FRAC_PI_2 - angle].map(|x| Polynomial::sin(x).clamp(-1.0, 1.0)).into()
+}
+
 fn lines(points: &[Point]) -> Shape {
     let index = Index::new(points.iter().map(|p| p.at));
     let slope = |i: usize| match points.get(i + 1) {
@@ -258,6 +277,7 @@ fn lines(points: &[Point]) -> Shape {
 }
 
 /// Speed [m/s] and slope [m/s per unit of the axis] at `x`.
+#[inline]
 fn on_lines(points: &[(Point, f64)], index: &Index, x: f64) -> (f64, f64) {
     match index.count_up_to(x, |i| points[i].0.at) {
         0 => (points.first().map_or(0.0, |(p, _)| p.speed_mps), 0.0),

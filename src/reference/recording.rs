@@ -2,6 +2,7 @@
 //! (Polack et al. 2017, Section 5.3).
 
 use super::ReferenceError;
+use super::index::Index;
 use super::profile::{Axis, Point};
 use super::table::{Column, Quantity, Table};
 use std::path::Path;
@@ -49,6 +50,8 @@ pub struct Track {
     pub heading_rad: Vec<f64>,
     /// Change of heading per driven metre, over 3 m [1/m].
     pub curvature_per_m: Vec<f64>,
+    /// Of the driven distance.
+    index: Index,
 }
 
 impl Track {
@@ -57,7 +60,7 @@ impl Track {
         if self.s_m.first().is_none_or(|&s| s_m < s) || self.s_m.last().is_none_or(|&s| s_m > s) {
             return 0.0;
         }
-        interpolate(&self.s_m, &self.curvature_per_m, s_m)
+        interpolate(&self.s_m, &self.index, &self.curvature_per_m, s_m)
     }
 
     fn reconstruct(t_s: &[f64], vx_mps: &[f64], vy_mps: &[f64], yaw_rate_radps: &[f64]) -> Self {
@@ -79,10 +82,12 @@ impl Track {
             psi += yaw_rate_radps[i] * dt;
             turned += if vx_mps[i] < STANDING_MPS { 0.0 } else { yaw_rate_radps[i] * dt };
         }
+        track.index = Index::new(track.s_m.iter().copied());
         let end = s;
         let curvature = |&s: &f64| {
             let (from, to) = ((s - 0.5 * CURVATURE_BASE_M).max(0.0), (s + 0.5 * CURVATURE_BASE_M).min(end));
-            let turn = interpolate(&track.s_m, &turned_rad, to) - interpolate(&track.s_m, &turned_rad, from);
+            let turned = |s: f64| interpolate(&track.s_m, &track.index, &turned_rad, s);
+            let turn = turned(to) - turned(from);
             if to > from { turn / (to - from) } else { 0.0 }
         };
         track.curvature_per_m = track.s_m.iter().map(curvature).collect();
@@ -91,9 +96,8 @@ impl Track {
 }
 
 /// `y` at `x`, linear between samples, the ends hold.
-fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
-    let next = xs.partition_point(|&known| known <= x);
-    match next {
+fn interpolate(xs: &[f64], index: &Index, ys: &[f64], x: f64) -> f64 {
+    match index.count_up_to(x, |i| xs[i]) {
         0 => ys.first().copied().unwrap_or_default(),
         n if n == xs.len() => ys[n - 1],
         n => ys[n - 1] + (ys[n] - ys[n - 1]) * (x - xs[n - 1]) / (xs[n] - xs[n - 1]),
