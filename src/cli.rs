@@ -159,7 +159,7 @@ pub struct CheckArgs {
 /// `paper`.
 #[derive(Debug, Args)]
 pub struct PaperArgs {
-    /// step, sine, driver, delay, disturb, map, or all but the map, which takes minutes
+    /// step, sine, driver, delay, disturb, map, or all but the map, which takes longest
     #[arg(default_value = "all", value_name = "TEST")]
     pub test: String,
     /// Folder of the results

@@ -127,6 +127,12 @@ fn every_recording_and_every_preset_is_driven_with_noise_and_without() {
         let results = run(&all).unwrap();
         for preset in &presets {
             complete(&results, test, &preset.name);
+            // The laws that are not the paper's drive with their own gains: once is enough.
+            for law in ["calibrating", "pid"] {
+                let row = results.get(test, &preset.name, true, law, "error_rms");
+                assert_eq!(row.is_some_and(|r| r.value > Some(0.0)), preset.name == "default", "{} {law}", preset.name);
+                assert!(row.is_none_or(|r| results.verdict(r).is_none()), "the paper has no number for {law}");
+            }
         }
     }
 }

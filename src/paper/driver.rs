@@ -2,11 +2,12 @@
 //! with 250 ms between command and torque, straight and along the reconstructed path.
 
 use super::figure::{Chart, Curve, Figure};
-use super::library::Preset;
+use super::library::{DEFAULT, Preset};
 use super::results::{Row, Rows};
 use super::series::Series;
 use super::world::{Moment, Outcome, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
+use crate::control;
 use crate::scenario::Override;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -53,7 +54,7 @@ pub fn run_delayed(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
 }
 
 fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
-    let jobs = CONTROLLERS.iter().flat_map(|controller| [false, true].map(|along_track| (*controller, along_track)));
+    let jobs = laws(preset).into_iter().flat_map(|law| [false, true].map(|along_track| (law, along_track)));
     let driven: Vec<Vec<Driven>> = jobs
         .collect::<Vec<_>>()
         .par_iter()
@@ -64,7 +65,8 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
     for Route { suffix, .. } in ROUTES {
         let (mine, others): (Vec<_>, Vec<_>) = driven.into_iter().partition(|d| d.suffix == *suffix);
         driven = others;
-        let (rows, drives): (Vec<_>, Vec<_>) = mine.into_iter().map(|d| (d.rows, (d.controller, d.exact))).unzip();
+        let (rows, mut drives): (Vec<_>, Vec<_>) = mine.into_iter().map(|d| (d.rows, (d.controller, d.exact))).unzip();
+        drives.retain(|(law, _)| CONTROLLERS.contains(law));
         if !drives.is_empty() {
             let name = format!("{test}{suffix}");
             let (figures, series) = (figures(preset, &name, &drives), Series::all(&name, preset, &drives));
@@ -72,6 +74,14 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
         }
     }
     Ok(finding)
+}
+
+/// The laws that drive: the paper's, whose figures are drawn; under the default preset the others as well, with their own default
+/// gains, for their place in the table.
+fn laws(preset: &Preset) -> Vec<&'static str> {
+    let others = control::CONTROLLERS.iter().map(|entry| entry.name).filter(|name| !CONTROLLERS.contains(name));
+    let others = others.filter(|name| preset.name == DEFAULT && *name != "ideal");
+    CONTROLLERS.into_iter().chain(others).collect()
 }
 
 /// All routes along their tracks, or all straight ones, under one controller: they share a block.

@@ -44,6 +44,9 @@ const CARRIED: &[(&str, &str)] = carried![
 /// The controllers that a preset's `[controller]` is for; the others keep their own tuning.
 const MODEL_FREE: [&str; 2] = ["classic", "adaptive"];
 
+/// The preset whose settings are those that the product ships with.
+pub const DEFAULT: &str = "default";
+
 /// A preset: one choice of all that the paper leaves open.
 #[derive(Debug, Clone)]
 pub struct Preset {
@@ -80,7 +83,7 @@ impl Library {
         let mut names: Vec<String> = listed
             .filter_map(|entry| Some(entry.ok()?.file_name().to_str()?.strip_suffix(".toml")?.to_owned()))
             .collect();
-        names.sort_by_key(|name| (name != "default", name != "best", name.clone()));
+        names.sort_by_key(|name| (name != DEFAULT, name != "best", name.clone()));
         if names.is_empty() {
             let what = "presets: no file *.toml, wanted at least one".to_owned();
             return Err(PaperError::Fragment { path: library.folder, what });

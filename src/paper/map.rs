@@ -60,7 +60,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A few minutes on two cores.
+    /// A minute or two on two cores.
     pub fn whole() -> Self {
         Self {
             periods_s: vec![0.001, 0.002, 0.005, 0.01, 0.02],

@@ -54,13 +54,13 @@ const ABOUT: &[(&str, &str, &str, &str)] = &[
          reconstructed path; driver_udds and driver_hwfet are the EPA driving cycles. All are held against the \
          paper's numbers. Errors grow with what a recording asks for: the lap's acceleration has an RMS of 1.8 m/s2 (at most 2.4, at least \
          -3.2), that of UDDS 0.6 and that of HWFET 0.3. The published errors lie between those of the lap and of UDDS under the presets whose \
-         classic loop is lightly damped.",
+         classic loop is lightly damped. Under the preset default pid and calibrating drive too, with their own default gains.",
     ),
     (
         "delay",
         "250 ms between command and torque",
         "Section 5.4: error RMS 2.27 m/s for classic, 0.68 m/s for adaptive.",
-        "The recordings of the driver test again.",
+        "The recordings of the driver test again, by the same laws.",
     ),
     (
         "disturb",
