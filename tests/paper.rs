@@ -271,6 +271,9 @@ fn the_page_has_all_figures_and_needs_no_network() {
         assert!(!page.contains(trace), "the page reaches outside: {trace}");
     }
     assert!(page.contains("prefers-color-scheme:dark"));
+    for link in page.split("href=\"#").skip(1).map(|rest| rest.split('"').next().unwrap()) {
+        assert!(page.contains(&format!("id=\"{link}\"")), "a link to {link}, which is not there");
+    }
     let figures: Vec<PathBuf> = fs::read_dir(dir.path().join("figures")).unwrap().map(|f| f.unwrap().path()).collect();
     assert!(figures.len() >= 5, "{figures:?}");
     for figure in figures {

@@ -74,7 +74,7 @@ const ABOUT: &[(&str, &str, &str, &str)] = &[
         "Where adaptation helps",
         "Not in the paper: nobody has published where in the space of its open values the adaptive law is better.",
         "RMS error on the noisy lap and overshoot of the first step over torque scale, K_P, control period, torque limit and delay. Blue: the \
-         first law is better. The ring is this preset. The table and the lower maps compare the laws with equal tuning: for all four the same \
+         first law is better. The ring is the preset default. The table and the lower maps compare the laws with equal tuning: for all four the same \
          exhaustive search over 9 x 9 values (K_P and b, K_P and T, or k_p and k_i) for the least RMS error, then the torque scale is wrong \
          by a factor that no controller knows.",
     ),
@@ -94,38 +94,38 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Polack et al. 2017, reproduced</title>\
          <style>{PAGE_STYLE}{STYLE}</style></head><body><main>"
     );
-    html += &opening(lab, presets);
+    let is_there = |test: &str| {
+        results.rows.iter().any(|r| family(&r.test) == test) || found.figures.iter().any(|f| family(&f.name) == test)
+    };
+    let about: Vec<_> = ABOUT.iter().filter(|(test, ..)| is_there(test)).collect();
+    let links: String = about.iter().map(|(test, title, ..)| format!("<a href=\"#{test}\">{title}</a>")).collect();
+    html += &opening(lab, presets, &links);
     html += &ranking(presets, results);
     html += &glance("Published numbers against presets", presets, results, &|r| r.published().is_some());
     html += &glance("Claims in words against presets", presets, results, &|r| claims::about(r).is_some());
-    for (test, title, paper, here) in ABOUT {
-        if results.rows.iter().any(|r| family(&r.test) == *test)
-            || found.figures.iter().any(|f| family(&f.name) == *test)
-        {
-            let _ = write!(
-                html,
-                "<h2 id=\"{test}\">{title}</h2><blockquote>{}</blockquote><p>{}</p>",
-                escape(paper),
-                escape(here)
-            );
-            // A preset may be called like a test.
-            let of_preset = |f: &Figure| presets.iter().any(|p| f.name.starts_with(&format!("{}_", p.name)));
-            let once = found.figures.iter().filter(|f| f.name.starts_with(&format!("{test}_")) && !of_preset(f));
-            if let Some(summary) = found.map.as_ref().filter(|_| *test == "map") {
-                html += &summary.html();
-            }
-            html += &once.map(Figure::inline).collect::<String>();
-            for (i, preset) in presets.iter().enumerate() {
-                html += &section(test, preset, i == 0, results, &found.figures);
-            }
+    for (test, title, paper, here) in about {
+        let _ = write!(
+            html,
+            "<h2 id=\"{test}\">{title}</h2><blockquote>{}</blockquote><p>{}</p>",
+            escape(paper),
+            escape(here)
+        );
+        // A preset may be called like a test.
+        let of_preset = |f: &Figure| presets.iter().any(|p| f.name.starts_with(&format!("{}_", p.name)));
+        let once = found.figures.iter().filter(|f| f.name.starts_with(&format!("{test}_")) && !of_preset(f));
+        if let Some(summary) = found.map.as_ref().filter(|_| *test == "map") {
+            html += &summary.html();
+        }
+        html += &once.map(Figure::inline).collect::<String>();
+        for (i, preset) in presets.iter().enumerate() {
+            html += &section(test, preset, i == 0, results, &found.figures);
         }
     }
     html += "</main></body></html>\n";
     html
 }
 
-fn opening(lab: &Lab, presets: &[&Preset]) -> String {
-    let links: String = ABOUT.iter().map(|(test, title, ..)| format!("<a href=\"#{test}\">{title}</a>")).collect();
+fn opening(lab: &Lab, presets: &[&Preset], links: &str) -> String {
     let mut html = format!(
         "<h1>Model-free speed control: the tests of Polack et al. 2017, reproduced</h1>\
          <p class=\"soft\">P. Polack, B. d'Andr&eacute;a-Novel, M. Fliess, A. de La Fortelle, L. Menhour: Finite-Time \
