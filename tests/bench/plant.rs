@@ -1,5 +1,5 @@
 //! Cost of the plant: one block of 16 vehicles, one control period of 10 ms, per instruction set and substep.
-//! `cargo bench --bench plant`. At the end one line for each instruction set: what one vehicle costs in a simulated
+//! `cargo bench --bench plant`. At the end a line for each scene and instruction set: what one vehicle costs in a simulated
 //! millisecond, side by side with the scalar code.
 
 use divan::counter::ItemsCount;
@@ -10,13 +10,20 @@ use sumo_mfc::plant::{Inputs, Plant, PlantBlock, SevenDof, State};
 
 fn main() {
     divan::main();
-    let (mut block, inputs) = town();
+    for (name, (block, inputs)) in [("in bends", town()), ("straight ahead", straight()), ("with track width", wide())]
+    {
+        compare(name, block, &inputs);
+    }
+}
+
+/// Times all instruction sets and the scalar code side by side.
+fn compare(scene: &str, mut block: PlantBlock, inputs: &Inputs) {
     let plant = SevenDof::new(0.01);
     let mut costs_ns = Vec::new();
     for _ in 0..ROUNDS {
-        let mut round = vec![ns_per_call(|| plant.advance_scalar(&mut block, &inputs, &[1.0; LANES], 0.01))];
+        let mut round = vec![ns_per_call(|| plant.advance_scalar(&mut block, inputs, &[1.0; LANES], 0.01))];
         for set in InstructionSet::available() {
-            let advance = || plant.advance(black_box(&mut block), black_box(&inputs), &[1.0; LANES], 0.01);
+            let advance = || plant.advance(black_box(&mut block), black_box(inputs), &[1.0; LANES], 0.01);
             round.push(set.during(|| ns_per_call(advance)));
         }
         costs_ns.push(round);
@@ -26,7 +33,9 @@ fn main() {
         // Of a block of 16 and 10 ms to one vehicle and millisecond.
         let cost_ns = median(costs_ns.iter().map(|round| round[i] / (10 * LANES) as f64));
         let gain = median(costs_ns.iter().map(|round| round[0] / round[i]));
-        println!("plant {name:9} {cost_ns:6.1} ns per vehicle and ms, {gain:4.1} times as fast as the scalar code");
+        println!(
+            "plant {scene:16} {name:9} {cost_ns:6.1} ns per vehicle and ms, {gain:4.1} times as fast as the scalar code"
+        );
     }
 }
 
@@ -54,6 +63,23 @@ fn town() -> (PlantBlock, Inputs) {
         block.set_state(slot, &state);
         inputs.torque_nm[slot] = 10.0 * slot as f64 - 75.0;
         inputs.steer_rad[slot] = 0.004 * slot as f64 - 0.03;
+    }
+    (block, inputs)
+}
+
+/// The same on a straight road.
+fn straight() -> (PlantBlock, Inputs) {
+    let (block, inputs) = town();
+    (block, Inputs { steer_rad: [0.0; LANES], ..inputs })
+}
+
+/// Cars in town that have track width and lean in bends.
+fn wide() -> (PlantBlock, Inputs) {
+    let (mut block, inputs) = town();
+    for slot in 0..LANES {
+        let mut body = block.body(slot).clone();
+        (body.track_width_m, body.cg_height_m) = (1.5, 0.5);
+        block.set_body(slot, &body);
     }
     (block, inputs)
 }
