@@ -17,7 +17,7 @@ const ERRORS: [(f64, f64); 4] = [(0.78, 0.117), (0.35, 0.0525), (2.27, 0.34), (0
 
 /// The search behind the preset `best`: the presets that are there and random choices of what the paper leaves open, then small
 /// steps from the best, against all published overshoots and RMS errors on all recordings and the first oscillation of the sine at
-/// once. `ROUNDS=300 cargo test --release --test paper_search -- --ignored --nocapture`.
+/// once. `ROUNDS=180 SEED=3 cargo test --release --test paper_search -- --ignored --nocapture`.
 #[test]
 #[ignore = "a search, not a check"]
 fn search_for_one_preset_that_matches_the_most() {
@@ -74,7 +74,7 @@ impl Choice {
     /// The presets `best`, `delay_a`, `delay_d` and `default`.
     const KNOWN: [Self; 4] = [
         Self {
-            values: [0.011464, 18.12, 2.869, 8.018, 0.0434, 0.1101],
+            values: [0.011594, 18.01, 2.88, 4.648, 0.046, 0.1036],
             period_s: 0.01,
             estimate: "saturated",
             rate: true,
