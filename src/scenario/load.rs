@@ -11,7 +11,10 @@ use super::{
     section::{Checked, Section, absolute, existing, known, text, texts},
     sumo_arguments::ours,
 };
-use crate::{keys::Kind, registry::UnknownName};
+use crate::{
+    keys::{Key, Kind},
+    registry::UnknownName,
+};
 
 /// The sections of a scenario file.
 const SECTIONS: &[&str] = &[
@@ -341,9 +344,10 @@ fn group(
     let path = |name: &str| own.map_or(name.to_owned(), |(path, _)| format!("{path}.{name}"));
     // A group inherits the file's section key by key, unless it chooses another name: then the keys are others too.
     let merged = |name: &str, default: &str| -> Result<Table, ScenarioError> {
-        let top = section(root, name, name)?;
+        let keys = if name == "vehicle" { catalog.body_keys } else { &[] };
+        let top = undotted(section(root, name, name)?, keys);
         let Some((_, own)) = own else { return Ok(top) };
-        let own = section(own, name, &path(name))?;
+        let own = undotted(section(own, name, &path(name))?, keys);
         let named = |t: &Table| match t.get("name").map(|e| &e.node) {
             Some(Node::Text(name)) => Some(name.clone()),
             _ => None,
@@ -363,6 +367,25 @@ fn group(
         actuator: actuator(&path("actuator"), &merged("actuator", "")?)?,
         noise_power_db: noise.try_number("power_db"),
     })
+}
+
+/// Keys may be written with a dot in place of their first underscore, `tyre.curve` for `tyre_curve`: a table under a name that is no
+/// key gives way to its entries, if all of them become keys.
+fn undotted(table: Table, keys: &[Key]) -> Table {
+    let is_key = |name: &str| keys.iter().any(|key| key.name == name);
+    let mut flat = Table::new();
+    for (name, entry) in table {
+        let joined = |sub: &String| format!("{name}_{sub}");
+        match entry.node {
+            Node::Table(inner) if !is_key(&name) && inner.keys().all(|sub| is_key(&joined(sub))) => {
+                flat.extend(inner.into_iter().map(|(sub, entry)| (joined(&sub), entry)));
+            }
+            node => {
+                flat.entry(name).or_insert(Entry { node, place: entry.place });
+            }
+        }
+    }
+    flat
 }
 
 fn vehicle(path: &str, table: &Table, catalog: &Catalog, inputs: &mut Vec<PathBuf>) -> Result<Vehicle, ScenarioError> {

@@ -308,3 +308,15 @@ fn values_of_every_kind_survive_printing() {
     let again: toml_edit::DocumentMut = printed.parse().unwrap();
     assert_eq!(again["name"].as_str(), Some("tötal \"q\""));
 }
+
+#[test]
+fn a_dot_in_place_of_the_first_underscore_is_the_same_key() {
+    let mass = |scenario: &Scenario, group: usize| scenario.groups[group].vehicle.values.number("mass_kg");
+    assert_eq!(mass(&load("vehicle.mass.kg = 1200\n", &[]), 0), 1200.0);
+    assert_eq!(mass(&load("vehicle.mass_kg = 1200\n", &["vehicle.mass.kg=1300"]), 0), 1300.0);
+    let groups = load("vehicle.mass_kg = 1200\n[[group]]\nselect = \"type:bus*\"\nvehicle.mass.kg = 9000\n", &[]);
+    assert_eq!((mass(&groups, 0), mass(&groups, 1)), (9000.0, 1200.0));
+    let folder = tempfile::tempdir().unwrap();
+    let error = load_in(folder.path(), "vehicle.mass.pounds = 3000\n", &[]).unwrap_err().to_string();
+    assert!(error.contains("vehicle.mass"), "{error}");
+}

@@ -36,7 +36,7 @@ fn a_measured_curve_drives_like_the_constants_behind_it() {
         let driving = rows.iter().filter(|row| number(row, "time") < 7.0);
         driving.map(|row| number(row, "slip_front")).fold(0.0, f64::max)
     };
-    let measured = slip("measured", "tyre_curve = \"wet.csv\"");
+    let measured = slip("measured", "tyre.curve = \"wet.csv\"");
     let (known, preset) = (slip("known", &known), slip("preset", "mass_kg = 1719.0"));
     println!("largest slip: curve {measured:.4}, constants {known:.4}, preset {preset:.4}");
     assert!(known > 0.05 && known < 0.3, "{known}");
