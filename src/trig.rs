@@ -197,4 +197,20 @@ mod tests {
         assert_eq!(Polynomial::atan(0.0), 0.0);
         assert_eq!(Polynomial::sin(0.0), 0.0);
     }
+
+    #[test]
+    fn law_the_way_of_small_angles_gives_the_bits_of_the_other() {
+        let small: Lanes = std::array::from_fn(|i| (i as f64 - 7.5) * 0.05);
+        let (mut alone, mut among) = (small, small);
+        alone[0] = -0.0;
+        among[0] = 3.0;
+        with_atan(&mut alone, |_, _, angle| angle);
+        with_atan(&mut among, |_, _, angle| angle);
+        assert_eq!(alone[0].to_bits(), (-0.0_f64).to_bits());
+        assert_eq!(among[0].to_bits(), Polynomial::atan(3.0).to_bits());
+        for i in 1..LANES {
+            assert_eq!(alone[i].to_bits(), among[i].to_bits());
+            assert_eq!(alone[i].to_bits(), Polynomial::atan(small[i]).to_bits());
+        }
+    }
 }
