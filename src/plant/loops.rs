@@ -264,4 +264,28 @@ mod tests {
         let moving = std::array::from_fn(|lane| if lane == 3 { 0.0 } else { 1.0 });
         assert_eq!(Common::of(&block, &inputs, &moving), Common { even: true, ahead: true });
     }
+
+    #[test]
+    fn whatever_pulls_across_is_not_straight_ahead() {
+        type Push = fn(&mut PlantBlock, &mut Inputs);
+        let pushes: [Push; 5] = [
+            |_, inputs| inputs.steer_rad[5] = 0.1,
+            |_, inputs| inputs.bank_rad[5] = 0.1,
+            |block, _| block.vy_mps[5] = 0.1,
+            |block, _| block.yaw_rate_radps[5] = 0.1,
+            |block, _| block.acceleration_mps2[1][5] = 0.1,
+        ];
+        for (k, push) in pushes.iter().enumerate() {
+            let (mut block, mut inputs) = (PlantBlock::new(), Inputs::default());
+            push(&mut block, &mut inputs);
+            let common = Common::of(&block, &inputs, &[1.0; LANES]);
+            assert_eq!(common, Common { even: true, ahead: false }, "{k}");
+        }
+        for wheel in 0..4 {
+            let mut block = PlantBlock::new();
+            block.wheel_speed_radps[wheel][5] = 0.1;
+            let common = Common::of(&block, &Inputs::default(), &[1.0; LANES]);
+            assert_eq!(common, Common { even: false, ahead: false }, "wheel {wheel}");
+        }
+    }
 }
