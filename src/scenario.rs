@@ -190,6 +190,13 @@ pub enum Trace {
     Ids(Vec<String>),
 }
 
+impl Group {
+    /// Which of the groups an ego belongs to: the first that matches.
+    pub fn of(groups: &[Self], ego: &EgoInfo<'_>, seed: u64) -> Option<usize> {
+        groups.iter().position(|group| group.select.matches(ego, seed))
+    }
+}
+
 impl Scenario {
     /// Reads and checks a scenario.
     ///
@@ -217,12 +224,6 @@ impl Scenario {
     pub fn default_folder(&self) -> PathBuf {
         let controller = self.groups.last().map_or("none", |g| g.controller.name);
         PathBuf::from("out").join(format!("{}-{controller}-{}", self.name, self.sumo.seed))
-    }
-
-    /// The group of an ego: the first that matches.
-    pub fn group_of(&self, ego: &EgoInfo<'_>) -> usize {
-        let last = self.groups.len().saturating_sub(1);
-        self.groups.iter().position(|g| g.select.matches(ego, self.sumo.seed)).unwrap_or(last)
     }
 }
 

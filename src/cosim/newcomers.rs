@@ -9,7 +9,7 @@ use super::book::{Before, Ego, EgoKey, Lead, Presence};
 use super::{CosimError, World};
 use crate::random::Stream;
 use crate::reference::Target;
-use crate::scenario::EgoInfo;
+use crate::scenario::{EgoInfo, Group};
 use crate::traci::{Batch, BatchError, Handle, Prefix, Reply, vehicle, vehicletype};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -163,8 +163,8 @@ impl World {
         let param =
             self.equipped.of(&vehicle.id).or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
         let info = EgoInfo { id: &vehicle.id, type_id: &vehicle.type_id, class: &facts.class, param };
-        let matched = self.groups.iter().position(|g| g.select.matches(&info, self.seed));
-        let Some(group) = matched.filter(|_| self.egos.matches(&info, self.seed)) else {
+        let Some(group) = Group::of(&self.groups, &info, self.seed).filter(|_| self.egos.matches(&info, self.seed))
+        else {
             self.state.unequipped += 1;
             return Ok(());
         };

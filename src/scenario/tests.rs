@@ -110,11 +110,14 @@ fn a_scenario_is_what_its_file_says() {
 #[test]
 fn the_first_group_that_matches_counts() {
     let rich = load(RICH, &[]);
-    let group = |type_id, class| rich.group_of(&EgoInfo { id: "v", type_id, class, param: false });
-    assert_eq!(group("city", "bus"), 0);
-    assert_eq!(group("fast_bus", "bus"), 0);
-    assert_eq!(group("fast_car", "passenger"), 1);
-    assert_eq!(group("car", "passenger"), 2);
+    let group = |type_id, class| {
+        let ego = EgoInfo { id: "v", type_id, class, param: false };
+        Group::of(&rich.groups, &ego, rich.sumo.seed)
+    };
+    assert_eq!(group("city", "bus"), Some(0));
+    assert_eq!(group("fast_bus", "bus"), Some(0));
+    assert_eq!(group("fast_car", "passenger"), Some(1));
+    assert_eq!(group("car", "passenger"), Some(2));
 }
 
 #[test]
