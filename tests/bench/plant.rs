@@ -73,7 +73,7 @@ fn straight() -> (PlantBlock, Inputs) {
     (block, Inputs { steer_rad: [0.0; LANES], ..inputs })
 }
 
-/// Cars in town that have track width and lean in bends.
+/// Cars in town with track width, whose load moves in bends.
 fn wide() -> (PlantBlock, Inputs) {
     let (mut block, inputs) = town();
     for slot in 0..LANES {
