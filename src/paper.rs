@@ -21,6 +21,7 @@ pub mod sine;
 pub mod step;
 pub mod world;
 
+use crate::control;
 use crate::cosim::CosimError;
 use crate::reference::ReferenceError;
 use crate::registry::{Entry, UnknownName, find};
@@ -36,6 +37,11 @@ use std::sync::OnceLock;
 
 /// The controllers that the paper compares.
 pub const CONTROLLERS: [&str; 2] = ["classic", "adaptive"];
+/// Every law that drives a body, those that are not the paper's included.
+pub fn every_law() -> impl Iterator<Item = &'static str> {
+    control::CONTROLLERS.iter().map(|entry| entry.name).filter(|name| *name != "ideal")
+}
+
 /// Seeds of the noise.
 pub const SEEDS: usize = 20;
 

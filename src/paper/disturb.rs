@@ -5,8 +5,7 @@ use super::figure::{Bars, Figure};
 use super::library::Preset;
 use super::results::{Row, Rows};
 use super::world::{End, World};
-use super::{Finding, Lab, PaperError};
-use crate::control::CONTROLLERS;
+use super::{Finding, Lab, PaperError, SEEDS, every_law};
 use crate::fleet::block::Block;
 use crate::plant::Body;
 
@@ -14,8 +13,6 @@ use crate::plant::Body;
 const LENGTH_M: f64 = 600.0;
 /// Where the disturbance sets in \[m\].
 const FROM_M: f64 = 200.0;
-/// Seeds of the noise, per disturbance.
-const SEEDS: usize = 20;
 
 /// What changes at [`FROM_M`].
 struct Disturbance {
@@ -70,7 +67,7 @@ struct Error {
 /// [`PaperError`] if the scenario cannot be read.
 pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
     let mut rows = Vec::new();
-    let names: Vec<&'static str> = CONTROLLERS.iter().map(|c| c.name).filter(|n| *n != "ideal").collect();
+    let names: Vec<&'static str> = every_law().collect();
     for controller in &names {
         let scenario = lab.library.scenario("disturb", preset, controller, &[])?;
         let world = World::new(&scenario)?;

@@ -6,8 +6,7 @@ use super::library::{DEFAULT, Preset};
 use super::results::{Row, Rows};
 use super::series::Series;
 use super::world::{Moment, Outcome, World};
-use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
-use crate::control;
+use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS, every_law};
 use crate::scenario::Override;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -79,8 +78,7 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
 /// The laws that drive: the paper's, whose figures are drawn; under the default preset the others as well, with their own default
 /// gains, for their place in the table.
 fn laws(preset: &Preset) -> Vec<&'static str> {
-    let others = control::CONTROLLERS.iter().map(|entry| entry.name).filter(|name| !CONTROLLERS.contains(name));
-    let others = others.filter(|name| preset.name == DEFAULT && *name != "ideal");
+    let others = every_law().filter(|law| preset.name == DEFAULT && !CONTROLLERS.contains(law));
     CONTROLLERS.into_iter().chain(others).collect()
 }
 
