@@ -28,7 +28,7 @@ pub mod self_check;
 pub mod state;
 
 use crate::fleet::follow::Follow;
-use crate::fleet::{Clockwork, GroupSetup};
+use crate::fleet::{GroupSetup, LoopConfig};
 use crate::output::Reason;
 use crate::plant::tyre::TyreError;
 use crate::reference::Target;
@@ -125,7 +125,7 @@ pub struct WorldSetup {
     /// What the demand says of `has.mfc.device`.
     pub equipped: Equipped,
     /// Plant, control period, memory of the reference.
-    pub clockwork: Clockwork,
+    pub loop_config: LoopConfig,
     /// Seed of everything that is drawn per vehicle.
     pub seed: u64,
     /// Bodies feel the slope of SUMO's road.
@@ -179,7 +179,7 @@ impl World {
         use variable::{ARRIVED, COLLIDING, DEPARTED, EXPECTED, TELEPORT_START, TIME};
         let step_s = client.get(traci::simulation::STEP_LENGTH, "").await?;
         let time_s = client.get(traci::simulation::TIME, "").await?;
-        let mut state = State::new(setup.clockwork, setup.blocks, setup.targets, step_s, time_s)?;
+        let mut state = State::new(setup.loop_config, setup.blocks, setup.targets, step_s, time_s)?;
         let mut batch = Batch::new();
         let events = [TIME, DEPARTED, ARRIVED, TELEPORT_START, COLLIDING, EXPECTED];
         batch.subscribe(Domain::Simulation, "", &events, time_s)?;

@@ -85,7 +85,7 @@ struct Group {
 }
 
 /// What all blocks share.
-pub struct Clockwork {
+pub struct LoopConfig {
     /// The plant model.
     pub plant: Box<dyn Plant>,
     /// Control period \[s\].
@@ -96,7 +96,7 @@ pub struct Clockwork {
 
 /// All vehicles with a body.
 pub struct Fleet {
-    clockwork: Clockwork,
+    loop_config: LoopConfig,
     groups: Vec<Group>,
     blocks: Vec<Block>,
     stopwatch: Stopwatch<1>,
@@ -115,9 +115,9 @@ pub struct FleetTime {
 
 impl Fleet {
     /// An empty fleet.
-    pub fn new(clockwork: Clockwork, groups: Vec<GroupSetup>) -> Self {
+    pub fn new(loop_config: LoopConfig, groups: Vec<GroupSetup>) -> Self {
         let groups = groups.into_iter().map(|setup| Group { setup, free: Vec::new() }).collect();
-        Self { clockwork, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
+        Self { loop_config, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
     }
 
     /// From now on notes where its time goes, [`Fleet::time_spent`].
@@ -142,7 +142,7 @@ impl Fleet {
 
     /// Control period \[s\].
     pub fn period_s(&self) -> f64 {
-        self.clockwork.period_s
+        self.loop_config.period_s
     }
 
     /// Puts a vehicle into a free slot of `group`.
@@ -158,7 +158,7 @@ impl Fleet {
     fn grow(&mut self, group: usize) {
         let index = self.blocks.len();
         let setup = &self.groups[group].setup;
-        self.blocks.push(Block::new(group, (setup.controller)(), self.clockwork.period_s, setup.dead_time_max_s));
+        self.blocks.push(Block::new(group, (setup.controller)(), self.loop_config.period_s, setup.dead_time_max_s));
         self.blocks[index].stopwatch = Stopwatch::new(self.stopwatch.is_on());
         self.groups[group].free.extend((0..LANES).rev().map(|lane| Slot::new(index, lane)));
     }
@@ -207,12 +207,12 @@ impl Fleet {
         follow: Follow,
     ) {
         self.stopwatch.start();
-        let clockwork = &self.clockwork;
+        let loop_config = &self.loop_config;
         // What the caller computes with, other threads do as well.
         let set = InstructionSet::in_use();
         let work = |block: &mut Block| {
             if !block.is_empty() && select(block) {
-                set.during(|| block.step(clockwork, periods, follow));
+                set.during(|| block.step(loop_config, periods, follow));
             }
         };
         let blocks = among(&mut self.blocks, blocks);

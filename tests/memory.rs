@@ -13,7 +13,7 @@ use std::time::Duration;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 use sumo_mfc::control::CONTROLLERS;
 use sumo_mfc::cosim::World;
-use sumo_mfc::fleet::{ActuatorSetup, Clockwork, Fleet, GroupSetup, VehicleSetup};
+use sumo_mfc::fleet::{ActuatorSetup, Fleet, GroupSetup, LoopConfig, VehicleSetup};
 use sumo_mfc::keys::Values;
 use sumo_mfc::plant::{BODIES, SevenDof};
 use sumo_mfc::random::Stream;
@@ -120,8 +120,8 @@ fn bytes_per_vehicle(dead_time_max_s: f64) -> i64 {
     let body = (BODIES[0].build)();
     let region = Region::new(COUNTING);
     let group = GroupSetup { controller: Box::new(move || (adaptive.build)(&values, 0.01)), dead_time_max_s };
-    let clockwork = Clockwork { plant: Box::new(SevenDof::new(0.01)), period_s: 0.01, lead_mps: 1.0 };
-    let mut fleet = Fleet::new(clockwork, vec![group]);
+    let loop_config = LoopConfig { plant: Box::new(SevenDof::new(0.01)), period_s: 0.01, lead_mps: 1.0 };
+    let mut fleet = Fleet::new(loop_config, vec![group]);
     for i in 0..VEHICLES {
         fleet.admit(
             0,

@@ -2,7 +2,7 @@
 
 use sumo_mfc::control::CONTROLLERS;
 use sumo_mfc::fleet::follow::{Bound, Follow};
-use sumo_mfc::fleet::{ActuatorSetup, Clockwork, Fleet, GroupSetup, Slot, VehicleSetup};
+use sumo_mfc::fleet::{ActuatorSetup, Fleet, GroupSetup, LoopConfig, Slot, VehicleSetup};
 use sumo_mfc::keys::Values;
 use sumo_mfc::lanes::InstructionSet;
 use sumo_mfc::plant::{BODIES, SevenDof};
@@ -41,7 +41,7 @@ fn drive(controller: &str, set: InstructionSet, threads: usize, vehicles: std::o
     let values = Values::defaults(law.keys);
     let group = GroupSetup { controller: Box::new(move || (law.build)(&values, 0.01)), dead_time_max_s: 0.1 };
     let plant = Box::new(SevenDof::new(0.01));
-    let mut fleet = Fleet::new(Clockwork { plant, period_s: 0.01, lead_mps: 1.0 }, vec![group]);
+    let mut fleet = Fleet::new(LoopConfig { plant, period_s: 0.01, lead_mps: 1.0 }, vec![group]);
     let slots: Vec<(usize, Slot)> = vehicles.map(|n| (n, fleet.admit(0, vehicle(n)))).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     for step in 0..STEPS {

@@ -7,7 +7,7 @@ use super::roads::Roads;
 use super::seen::{Seen, Values, seen};
 use super::{CosimError, variable};
 use crate::fleet::follow::{Bound, Follow};
-use crate::fleet::{self, Clockwork, Fleet, GroupSetup};
+use crate::fleet::{self, Fleet, GroupSetup, LoopConfig};
 use crate::output::Reason;
 use crate::reference::Target;
 use crate::stats::VehicleStats;
@@ -98,19 +98,19 @@ impl State {
     /// # Errors
     /// If the step is not a whole number of control periods.
     pub fn new(
-        clockwork: Clockwork,
+        loop_config: LoopConfig,
         blocks: Vec<GroupSetup>,
         targets: Vec<Target>,
         step_s: f64,
         time_s: f64,
     ) -> Result<Self, CosimError> {
-        let period_s = clockwork.period_s;
+        let period_s = loop_config.period_s;
         let periods = (step_s / period_s).round();
         if periods < 1.0 || (periods * period_s - step_s).abs() > 1e-9 {
             return Err(CosimError::Step { step_s, period_s });
         }
         Ok(Self {
-            fleet: Fleet::new(clockwork, blocks),
+            fleet: Fleet::new(loop_config, blocks),
             book: Book::default(),
             grade: false,
             time_s,

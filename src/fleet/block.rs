@@ -3,7 +3,7 @@
 
 use super::follow::{Bound, Follow};
 use super::steering::Steering;
-use super::{Clockwork, VehicleSetup};
+use super::{LoopConfig, VehicleSetup};
 use crate::control::{Actuation, Command, Controller, Observation};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
@@ -295,13 +295,13 @@ impl Block {
     }
 
     /// One SUMO step: `periods` control periods along the reference.
-    pub(super) fn step(&mut self, clockwork: &Clockwork, periods: u32, follow: Follow) {
+    pub(super) fn step(&mut self, loop_config: &LoopConfig, periods: u32, follow: Follow) {
         self.stopwatch.start();
         let before_mps = self.plant.vx_mps;
-        let step_s = f64::from(periods) * clockwork.period_s;
+        let step_s = f64::from(periods) * loop_config.period_s;
         self.lead_limited = match follow {
-            Follow::Traffic => self.step_traffic(clockwork, periods, step_s, &before_mps),
-            _ => self.step_targets(clockwork, periods, follow),
+            Follow::Traffic => self.step_traffic(loop_config, periods, step_s, &before_mps),
+            _ => self.step_targets(loop_config, periods, follow),
         };
         let speed_mps = self.plant.vx_mps;
         self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - before_mps[i]) / step_s);
@@ -313,12 +313,12 @@ impl Block {
     /// forgotten in every step and show up as lost acceleration. On a plateau (v* has not changed, or is nearer than
     /// accel reaches) v* is the speed that is wanted, and the ramp ends there: to go on adding v* − V would integrate
     /// the error, and a plant with dead time would swing about a constant v* for ever.
-    fn step_traffic(&mut self, clockwork: &Clockwork, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
+    fn step_traffic(&mut self, loop_config: &LoopConfig, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
         let mut start_mps = [0.0; LANES];
         let mut rate_mps2 = [0.0; LANES];
         let mut lead_limited = [0.0; LANES];
         for i in 0..LANES {
-            let (low, high) = (before_mps[i] - clockwork.lead_mps, before_mps[i] + clockwork.lead_mps);
+            let (low, high) = (before_mps[i] - loop_config.lead_mps, before_mps[i] + loop_config.lead_mps);
             start_mps[i] = self.reference_mps[i].max(low).min(high);
             lead_limited[i] = if start_mps[i] == self.reference_mps[i] { 0.0 } else { 1.0 };
             let asked_mps2 = (self.target_mps[i] - before_mps[i]) / step_s;
@@ -330,11 +330,11 @@ impl Block {
         self.held = std::array::from_fn(|i| self.held[i] * rest[i]);
         for k in 0..periods {
             let at = |tau_s: f64| std::array::from_fn(|i| (start_mps[i] + rate_mps2[i] * tau_s).max(0.0));
-            let tau_s = f64::from(k) * clockwork.period_s;
+            let tau_s = f64::from(k) * loop_config.period_s;
             let share = (f64::from(k) + 0.5) / f64::from(periods);
             let demand =
-                Demand { start_mps: at(tau_s), end_mps: at(tau_s + clockwork.period_s), rate_mps2, rest, share };
-            self.period(clockwork, &demand);
+                Demand { start_mps: at(tau_s), end_mps: at(tau_s + loop_config.period_s), rate_mps2, rest, share };
+            self.period(loop_config, &demand);
         }
         if self.controller.is_ideal() {
             // To the last bit what SUMO chose: the sum of the periods' ramps need not be.
@@ -348,18 +348,18 @@ impl Block {
     }
 
     /// The reference is the target, or a profile below it, at each control period's own place and time.
-    fn step_targets(&mut self, clockwork: &Clockwork, periods: u32, follow: Follow) -> Flags {
+    fn step_targets(&mut self, loop_config: &LoopConfig, periods: u32, follow: Follow) -> Flags {
         for k in 0..periods {
             let here = self.targets_now(follow, 0.0);
-            let next = self.targets_now(follow, clockwork.period_s);
+            let next = self.targets_now(follow, loop_config.period_s);
             let rest: Flags = std::array::from_fn(|i| if here.0[i] == 0.0 && next.0[i] == 0.0 { 1.0 } else { 0.0 });
             let share = (f64::from(k) + 0.5) / f64::from(periods);
             let demand = Demand { start_mps: here.0, end_mps: next.0, rate_mps2: here.1, rest, share };
             for i in 0..LANES {
                 self.held[i] *= rest[i];
-                self.clock_s[i] += clockwork.period_s;
+                self.clock_s[i] += loop_config.period_s;
             }
-            self.period(clockwork, &demand);
+            self.period(loop_config, &demand);
         }
         [0.0; LANES]
     }
@@ -385,15 +385,15 @@ impl Block {
     }
 
     /// One control period.
-    fn period(&mut self, clockwork: &Clockwork, demand: &Demand) {
+    fn period(&mut self, loop_config: &LoopConfig, demand: &Demand) {
         let moving: Flags = std::array::from_fn(|i| self.present[i] * (1.0 - self.held[i]));
         if self.controller.is_ideal() {
-            self.take_speeds(&demand.end_mps, &moving, clockwork.period_s);
+            self.take_speeds(&demand.end_mps, &moving, loop_config.period_s);
         } else {
             self.control(demand, &moving);
             self.stopwatch.lap(CONTROL);
             self.steering.angles_rad(demand.share, &self.plant.vx_mps, &mut self.inputs.steer_rad);
-            clockwork.plant.advance(&mut self.plant, &self.inputs, &moving, clockwork.period_s);
+            loop_config.plant.advance(&mut self.plant, &self.inputs, &moving, loop_config.period_s);
             self.stand_still(demand, &moving);
         }
         self.stopwatch.lap(PLANT);

@@ -151,7 +151,7 @@ impl<'a> World<'a> {
     ) -> Result<Vec<Outcome>, PaperError> {
         let period_s = self.scenario.control_period_s;
         let group = setup::block(&self.scenario.groups[0], period_s)?;
-        let mut fleet = Fleet::new(setup::clockwork(self.scenario)?, vec![group]);
+        let mut fleet = Fleet::new(setup::loop_config(self.scenario)?, vec![group]);
         let mut profiles: [&Profile; LANES] = [&self.profile; LANES];
         let mut waiting = 0..trips.len();
         let mut rides: Vec<Ride> = Vec::with_capacity(LANES);

@@ -4,7 +4,7 @@ use super::RunError;
 use crate::control::CONTROLLERS;
 use crate::cosim::bodies::DEAD_TIME_MAX_S;
 use crate::cosim::{Fault, WorldSetup};
-use crate::fleet::{Clockwork, GroupSetup};
+use crate::fleet::{GroupSetup, LoopConfig};
 use crate::plant::PLANTS;
 use crate::plant::tyre::{identify, read_curve};
 use crate::reference::TARGETS;
@@ -30,7 +30,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         groups: scenario.groups.clone(),
         egos: scenario.egos.clone(),
         equipped: Equipped::of_scenario(scenario),
-        clockwork: clockwork(scenario)?,
+        loop_config: loop_config(scenario)?,
         grade: scenario.coupling.grade,
         seed: scenario.sumo.seed,
         sigma: scenario.traffic.sigma,
@@ -43,9 +43,9 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
 ///
 /// # Errors
 /// [`RunError::Unknown`] if there is no such plant.
-pub fn clockwork(scenario: &Scenario) -> Result<Clockwork, RunError> {
+pub fn loop_config(scenario: &Scenario) -> Result<LoopConfig, RunError> {
     let plant = find("plant", PLANTS, scenario.plant.name)?;
-    Ok(Clockwork {
+    Ok(LoopConfig {
         plant: (plant.build)(&scenario.plant.values),
         period_s: scenario.control_period_s,
         lead_mps: scenario.coupling.lead_mps,
