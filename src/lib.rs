@@ -14,6 +14,7 @@
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
+mod columns;
 pub mod compare;
 pub mod control;
 pub mod cosim;

@@ -14,32 +14,28 @@
 //!
 //! A second step upwards (10 → 20 m/s) just lifts the crest.
 
+use crate::columns::columns;
 use crate::lanes::{LANES, Lanes};
 
 /// What the reference must climb to count as a rise, and fall below its crest to end one [m/s].
 pub const RISE_MPS: f64 = 0.5;
 
-/// The overshoot of a block of vehicles.
-#[derive(Debug, Clone, Default)]
-pub struct Overshoot {
-    /// 1 after a rise began.
-    risen: Lanes,
-    /// The lowest reference while waiting, the crest after a rise began [m/s].
-    mark: Lanes,
-    max: Lanes,
+columns! {
+    /// The overshoot of a block of vehicles.
+    #[derive(Debug, Clone)]
+    pub(super) struct Overshoot {
+        columns {
+            /// 1 after a rise began.
+            risen: f64 = 0.0,
+            /// The lowest reference while waiting, the crest after a rise began [m/s].
+            mark: f64 = 0.0,
+            /// The largest overshoot, 0 if there was none [m/s].
+            pub max_mps: f64 = 0.0,
+        }
+    }
 }
 
 impl Overshoot {
-    /// The largest overshoot of a slot, 0 if there was none [m/s].
-    pub fn max_mps(&self, slot: usize) -> f64 {
-        self.max[slot]
-    }
-
-    /// Forgets a slot's overshoot.
-    pub(super) fn reset(&mut self, slot: usize) {
-        self.max[slot] = 0.0;
-    }
-
     /// Waits afresh for a rise from `speed_mps`.
     pub(super) fn rejoin(&mut self, slot: usize, speed_mps: f64) {
         self.risen[slot] = 0.0;
@@ -53,14 +49,14 @@ impl Overshoot {
             let (v, y) = (speed_mps[i], reference_mps[i]);
             let (on, was_risen) = (active[i] > 0.0, self.risen[i] > 0.0);
             let (crest, lowest) = (self.mark[i].max(y), self.mark[i].min(y));
-            let over = self.max[i].max(v - crest);
+            let over = self.max_mps[i].max(v - crest);
             let ends = y < crest - RISE_MPS;
             let begins = (y > lowest + RISE_MPS) & (v < y);
             let risen = if was_risen { !ends } else { begins };
             let kept = if was_risen { crest } else { lowest };
             // On every change of state the mark starts from the present reference.
             let mark = if risen == was_risen { kept } else { y };
-            self.max[i] = if on & was_risen { over } else { self.max[i] };
+            self.max_mps[i] = if on & was_risen { over } else { self.max_mps[i] };
             self.risen[i] = if on { f64::from(u8::from(risen)) } else { self.risen[i] };
             self.mark[i] = if on { mark } else { self.mark[i] };
         }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::lanes::LANES;
 use crate::random::Stream;
 
 const PERIOD_S: f64 = 0.01;
