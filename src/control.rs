@@ -11,6 +11,7 @@ mod ideal;
 mod mfc;
 mod pid;
 
+use crate::columns::Slots;
 use crate::keys::Values;
 use crate::lanes::Lanes;
 use crate::registry::Entry;
@@ -118,6 +119,12 @@ pub trait Controller: Send {
     /// True if the vehicle takes the reference speed as it is, without body or torque (`ideal`).
     fn is_ideal(&self) -> bool {
         false
+    }
+}
+
+impl Slots for Box<dyn Controller> {
+    fn clear(&mut self, slot: usize) {
+        self.reset(slot, 0.0);
     }
 }
 

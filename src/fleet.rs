@@ -7,17 +7,16 @@
 
 pub mod block;
 pub mod follow;
+mod setup;
 pub mod steering;
 
-use crate::control::Controller;
 use crate::lanes::{InstructionSet, LANES};
-use crate::plant::{Body, Plant};
-use crate::random::Stream;
 use crate::stats::VehicleStats;
 use crate::stopwatch::Stopwatch;
 use block::Block;
 use follow::Follow;
 use rayon::prelude::*;
+pub use setup::{ActuatorSetup, GroupSetup, LoopConfig, VehicleSetup};
 use std::ops::Range;
 use std::time::Duration;
 
@@ -45,58 +44,14 @@ impl Slot {
     }
 }
 
-/// The actuators between command and wheels, for one vehicle.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ActuatorSetup {
-    /// Dead time of the torque \[s\].
-    pub dead_time_s: f64,
-    /// First-order lag of the torque \[s\].
-    pub lag_s: f64,
-}
-
-/// All that makes one vehicle, in SI.
-#[derive(Debug, Clone)]
-pub struct VehicleSetup {
-    /// The body as it is.
-    pub body: Body,
-    /// Torque per acceleration of the *nominal* body, which is all that a controller may know [N·m per m/s²].
-    pub nominal_nm_per_mps2: f64,
-    /// Actuators.
-    pub actuator: ActuatorSetup,
-    /// The vType's accel, the most that SUMO's driver asks for [m/s²].
-    pub accel_mps2: f64,
-    /// Noise on the measured speed: the vehicle's stream and σ [m/s].
-    pub noise: Option<(Stream, f64)>,
-    /// Speed at which it enters [m/s].
-    pub speed_mps: f64,
-}
-
-/// How blocks of one group are made.
-pub struct GroupSetup {
-    /// Makes the controller of one block.
-    pub controller: Box<dyn Fn() -> Box<dyn Controller> + Send + Sync>,
-    /// Largest dead time that a vehicle of this group may have \[s\].
-    pub dead_time_max_s: f64,
-}
-
 struct Group {
     setup: GroupSetup,
     free: Vec<Slot>,
 }
 
-/// What all blocks share.
-pub struct LoopConfig {
-    /// The plant model.
-    pub plant: Box<dyn Plant>,
-    /// Control period \[s\].
-    pub period_s: f64,
-    /// The reference's memory is kept within this of the plant's speed [m/s].
-    pub lead_mps: f64,
-}
-
 /// All vehicles with a body.
 pub struct Fleet {
-    loop_config: LoopConfig,
+    config: LoopConfig,
     groups: Vec<Group>,
     blocks: Vec<Block>,
     stopwatch: Stopwatch<1>,
@@ -115,9 +70,9 @@ pub struct FleetTime {
 
 impl Fleet {
     /// An empty fleet.
-    pub fn new(loop_config: LoopConfig, groups: Vec<GroupSetup>) -> Self {
+    pub fn new(config: LoopConfig, groups: Vec<GroupSetup>) -> Self {
         let groups = groups.into_iter().map(|setup| Group { setup, free: Vec::new() }).collect();
-        Self { loop_config, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
+        Self { config, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
     }
 
     /// From now on notes where its time goes, [`Fleet::time_spent`].
@@ -142,7 +97,7 @@ impl Fleet {
 
     /// Control period \[s\].
     pub fn period_s(&self) -> f64 {
-        self.loop_config.period_s
+        self.config.period_s
     }
 
     /// Puts a vehicle into a free slot of `group`.
@@ -158,7 +113,7 @@ impl Fleet {
     fn grow(&mut self, group: usize) {
         let index = self.blocks.len();
         let setup = &self.groups[group].setup;
-        self.blocks.push(Block::new(group, (setup.controller)(), self.loop_config.period_s, setup.dead_time_max_s));
+        self.blocks.push(Block::new(group, (setup.controller)(), self.config.period_s, setup.dead_time_max_s));
         self.blocks[index].stopwatch = Stopwatch::new(self.stopwatch.is_on());
         self.groups[group].free.extend((0..LANES).rev().map(|lane| Slot::new(index, lane)));
     }
@@ -207,12 +162,12 @@ impl Fleet {
         follow: Follow,
     ) {
         self.stopwatch.start();
-        let loop_config = &self.loop_config;
+        let config = &self.config;
         // What the caller computes with, other threads do as well.
         let set = InstructionSet::in_use();
         let work = |block: &mut Block| {
             if !block.is_empty() && select(block) {
-                set.during(|| block.step(loop_config, periods, follow));
+                set.during(|| block.step(config, periods, follow));
             }
         };
         let blocks = among(&mut self.blocks, blocks);

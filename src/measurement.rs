@@ -1,6 +1,7 @@
 //! What the speed sensor makes of the true speed: white Gaussian noise on V_x (Polack et al. 2017, Section 4.1, "Adding
 //! Noise"), one draw per vehicle and control period.
 
+use crate::columns::columns;
 use crate::keys::{Key, Kind};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::random::{Stream, normals};
@@ -18,19 +19,18 @@ pub fn sigma_mps(power_db: f64) -> f64 {
     libm::pow(10.0, power_db / 20.0)
 }
 
-/// The speed sensors of one block of vehicles, noiseless until [`Measurement::set`] says otherwise.
-#[derive(Debug, Clone)]
-pub struct Measurement {
-    streams: [Option<Stream>; LANES],
-    sigma_mps: Lanes,
+columns! {
+    /// The speed sensors of one block of vehicles, noiseless until [`Measurement::set`] says otherwise.
+    #[derive(Debug, Clone)]
+    pub struct Measurement {
+        columns {
+            streams: Option<Stream> = None,
+            sigma_mps: f64 = 0.0,
+        }
+    }
 }
 
 impl Measurement {
-    /// A block of perfect sensors.
-    pub fn new() -> Self {
-        Self { streams: std::array::from_fn(|_| None), sigma_mps: [0.0; LANES] }
-    }
-
     /// Gives a slot the noise of a new vehicle, or none.
     pub fn set(&mut self, slot: usize, stream: Option<Stream>, sigma_mps: f64) {
         self.streams[slot] = stream;
@@ -59,18 +59,12 @@ impl Measurement {
     }
 }
 
-impl Default for Measurement {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn noisy_block() -> Measurement {
-        let mut block = Measurement::new();
+        let mut block = Measurement::default();
         for slot in 0..LANES - 1 {
             block.set(slot, Some(Stream::new(7, "noise", &slot.to_string())), sigma_mps(-6.0));
         }

@@ -30,7 +30,7 @@ fn preset(name: &str) -> Body {
 /// instant.
 fn drive(body: &Body, v0_mps: f64, accel_mps2: f64, seconds: f64, steer_rad: impl Fn(f64) -> f64) -> Vec<State> {
     let plant = SevenDof::new(PERIOD_S);
-    let mut block = PlantBlock::new();
+    let mut block = PlantBlock::default();
     block.set_body(0, body);
     block.set_state(0, &State::rolling(body, v0_mps));
     let mut inputs = Inputs::default();

@@ -22,7 +22,7 @@ fn car() -> Body {
 
 /// Slot 0 of a block: a body in a state.
 fn block_of(body: &Body, state: &State) -> PlantBlock {
-    let mut block = PlantBlock::new();
+    let mut block = PlantBlock::default();
     block.set_body(0, body);
     block.set_state(0, state);
     block
@@ -47,7 +47,7 @@ fn run(plant: &dyn Plant, block: &mut PlantBlock, inputs: &Inputs, seconds: f64)
 /// bends, one pair per period; a stop is braked at 3 m/s² to the end.
 fn driven(targets: impl Iterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let plant = SevenDof::new(0.001);
-    let mut block = PlantBlock::new();
+    let mut block = PlantBlock::default();
     let scale = car().nominal_nm_per_mps2();
     targets
         .enumerate()
@@ -378,8 +378,8 @@ fn val_default_substep_over_the_urban_cycle() {
 fn val_vector_code_against_scalar_libm() {
     let drive = urban_drive(60);
     let plant = SevenDof::new(PERIOD_S);
-    let mut vector = PlantBlock::new();
-    let mut scalar = PlantBlock::new();
+    let mut vector = PlantBlock::default();
+    let mut scalar = PlantBlock::default();
     let mut worst: f64 = 0.0;
     for &(torque, steer) in &drive {
         let inputs = inputs(torque, steer);
@@ -396,7 +396,7 @@ fn val_vector_code_against_scalar_libm() {
 /// A block of different bodies, states and inputs, changing from period to period.
 fn crowd(seed: u64) -> (PlantBlock, Vec<Inputs>) {
     let mut random = Stream::new(seed, "plant", "crowd");
-    let mut block = PlantBlock::new();
+    let mut block = PlantBlock::default();
     for slot in 0..LANES {
         let mut body = (BODIES[slot % BODIES.len()].build)();
         body.combined_slip = slot % 2 == 0;
@@ -457,7 +457,7 @@ fn law_many_slots_equal_one_slot_runs() {
         plant.advance(&mut together, inputs, &ALL, PERIOD_S);
     }
     for slot in 0..LANES {
-        let mut alone = PlantBlock::new();
+        let mut alone = PlantBlock::default();
         alone.set_body(5, start.body(slot));
         alone.set_state(5, &start.state(slot));
         let others = bits(&alone, 6);
@@ -483,7 +483,7 @@ fn law_many_slots_equal_one_slot_runs() {
 #[test]
 fn law_a_straight_run_is_the_same_in_any_company() {
     let mut random = Stream::new(4, "plant", "straight");
-    let mut straight = PlantBlock::new();
+    let mut straight = PlantBlock::default();
     for slot in 0..LANES {
         let mut body = (BODIES[slot % BODIES.len()].build)();
         body.track_width_m = if slot % 3 == 0 { 1.5 } else { 0.0 };
@@ -542,7 +542,7 @@ fn law_every_substep_is_stable_at_every_speed() {
         let (mut locked, mut spinning) = (0, 0);
         let plant = SevenDof::new(substep);
         for cases in grid().chunks(LANES) {
-            let mut block = PlantBlock::new();
+            let mut block = PlantBlock::default();
             for (slot, case) in cases.iter().enumerate() {
                 block.set_state(slot, &State::rolling(&body, case.0));
             }
@@ -719,7 +719,7 @@ fn a_loaded_vehicle_keeps_its_kind() {
         loaded.load_to(1.5 * empty.mass_kg);
         let settings = [(&empty, 1.0), (&loaded, 1.5)].map(|(body, factor)| {
             let mut block = block_of(body, &State::rolling(body, 20.0));
-            block.reset_distance(0);
+            block.distance_m[0] = 0.0;
             let inputs = inputs(-0.5 * body.brake_torque_max_nm, 0.0);
             (run(&SevenDof::new(PERIOD_S), &mut block, &inputs, 1.0).vx_mps, body.yaw_inertia_kgm2 / factor)
         });

@@ -41,7 +41,7 @@ fn drive(controller: &str, set: InstructionSet, threads: usize, vehicles: std::o
     let values = Values::defaults(law.keys);
     let group = GroupSetup { controller: Box::new(move || (law.build)(&values, 0.01)), dead_time_max_s: 0.1 };
     let plant = Box::new(SevenDof::new(0.01));
-    let mut fleet = Fleet::new(LoopConfig { plant, period_s: 0.01, lead_mps: 1.0 }, vec![group]);
+    let mut fleet = Fleet::new(LoopConfig { plant, period_s: 0.01, reference_bound_mps: 1.0 }, vec![group]);
     let slots: Vec<(usize, Slot)> = vehicles.map(|n| (n, fleet.admit(0, vehicle(n)))).collect();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     for step in 0..STEPS {

@@ -2,8 +2,9 @@
 //! which these work in one control period.
 
 use super::follow::{Bound, Follow};
+use super::setup::{ActuatorSetup, LoopConfig, VehicleSetup};
 use super::steering::Steering;
-use super::{LoopConfig, VehicleSetup};
+use crate::columns::{Slots, columns};
 use crate::control::{Actuation, Command, Controller, Observation};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
@@ -33,70 +34,48 @@ struct Demand {
     share: f64,
 }
 
-/// One block.
-pub struct Block {
-    group: usize,
-    plant: PlantBlock,
-    inputs: Inputs,
-    controller: Box<dyn Controller>,
-    actuators: Actuators,
-    measurement: Measurement,
-    /// How each slot is steered.
-    pub steering: Steering,
-    stats: StatsBlock,
-    command: Command,
-    nominal_nm_per_mps2: Lanes,
-    /// What counts as all that the driver gives: a little less than the vType's accel.
-    accel_mps2: Lanes,
-    last_target_mps: Lanes,
-    occupied: Flags,
-    /// 1 = on the road; 0 = free, or teleporting.
-    present: Flags,
-    held: Flags,
-    target_mps: Lanes,
-    reference_mps: Lanes,
-    measured_mps: Lanes,
-    clock_s: Lanes,
-    acceleration_mps2: Lanes,
-    sumo_mps: Lanes,
-    lead_limited: Flags,
-    curvature_limited: Flags,
-    bound: [Bound; LANES],
-    pub(super) stopwatch: Stopwatch<3>,
+columns! {
+    /// One block of a group: `controller` steers its vehicles with control periods of `period_s` and dead times up to
+    /// `dead_time_max_s`.
+    pub struct Block(group: usize, controller: Box<dyn Controller>, period_s: f64, dead_time_max_s: f64) {
+        shared {
+            group: usize = group,
+            command: Command = Command::default(),
+            pub(super) stopwatch: Stopwatch<3> = Stopwatch::new(false),
+        }
+        parts {
+            plant: PlantBlock = PlantBlock::default(),
+            inputs: Inputs = Inputs::default(),
+            controller: Box<dyn Controller> = controller,
+            actuators: Actuators = Actuators::new(period_s, dead_time_max_s),
+            measurement: Measurement = Measurement::default(),
+            /// How each slot is steered.
+            pub steering: Steering = Steering::default(),
+            stats: StatsBlock = StatsBlock::new(period_s),
+        }
+        columns {
+            nominal_nm_per_mps2: f64 = 1.0,
+            /// What counts as all that the driver gives: a little less than the vType's accel.
+            accel_mps2: f64 = f64::INFINITY,
+            last_target_mps: f64 = f64::NAN,
+            occupied: f64 = 0.0,
+            /// 1 = on the road; 0 = free, or teleporting.
+            present: f64 = 0.0,
+            held: f64 = 0.0,
+            target_mps: f64 = 0.0,
+            reference_mps: f64 = 0.0,
+            measured_mps: f64 = 0.0,
+            clock_s: f64 = 0.0,
+            acceleration_mps2: f64 = 0.0,
+            sumo_mps: f64 = 0.0,
+            lead_limited: f64 = 0.0,
+            curvature_limited: f64 = 0.0,
+            bound: Bound = Bound::Traffic,
+        }
+    }
 }
 
 impl Block {
-    /// An empty block of `group`.
-    pub fn new(group: usize, controller: Box<dyn Controller>, period_s: f64, dead_time_max_s: f64) -> Self {
-        Self {
-            group,
-            plant: PlantBlock::new(),
-            inputs: Inputs::default(),
-            controller,
-            actuators: Actuators::new(period_s, dead_time_max_s),
-            measurement: Measurement::new(),
-            steering: Steering::default(),
-            stats: StatsBlock::new(period_s),
-            command: Command::default(),
-            nominal_nm_per_mps2: [1.0; LANES],
-            accel_mps2: [f64::INFINITY; LANES],
-            last_target_mps: [f64::NAN; LANES],
-            occupied: [0.0; LANES],
-            present: [0.0; LANES],
-            held: [0.0; LANES],
-            target_mps: [0.0; LANES],
-            reference_mps: [0.0; LANES],
-            measured_mps: [0.0; LANES],
-            clock_s: [0.0; LANES],
-            acceleration_mps2: [0.0; LANES],
-            sumo_mps: [0.0; LANES],
-            lead_limited: [0.0; LANES],
-            curvature_limited: [0.0; LANES],
-            bound: [Bound::Traffic; LANES],
-            stopwatch: Stopwatch::new(false),
-        }
-    }
-
     /// The group that this block belongs to.
     pub fn group(&self) -> usize {
         self.group
@@ -112,100 +91,90 @@ impl Block {
         self.occupied.iter().all(|o| *o == 0.0)
     }
 
-    pub(super) fn admit(&mut self, lane: usize, vehicle: VehicleSetup) {
+    /// A vehicle takes the slot, in which nothing is left of the one before.
+    pub(super) fn admit(&mut self, slot: usize, vehicle: VehicleSetup) {
+        self.clear(slot);
         let body = &vehicle.body;
-        self.nominal_nm_per_mps2[lane] = vehicle.nominal_nm_per_mps2;
-        self.accel_mps2[lane] = vehicle.accel_mps2 * DRIVER_LIMIT;
-        let actuator = vehicle.actuator;
-        self.actuators.set(
-            lane,
-            actuator.dead_time_s,
-            actuator.lag_s,
-            body.drive_torque_max_nm,
-            body.brake_torque_max_nm,
-        );
-        self.steering.set(
-            lane,
-            body.wheelbase_m(),
-            body.understeer_gradient(),
-            body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b)),
-        );
-        self.plant.set_body(lane, body);
+        self.nominal_nm_per_mps2[slot] = vehicle.nominal_nm_per_mps2;
+        self.accel_mps2[slot] = vehicle.accel_mps2 * DRIVER_LIMIT;
+        let ActuatorSetup { dead_time_s, lag_s } = vehicle.actuator;
+        self.actuators.set(slot, dead_time_s, lag_s, body.drive_torque_max_nm, body.brake_torque_max_nm);
+        let friction = body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b));
+        self.steering.set(slot, body.wheelbase_m(), body.understeer_gradient(), friction);
+        self.plant.set_body(slot, body);
         let (stream, sigma_mps) = vehicle.noise.map_or((None, 0.0), |(stream, sigma)| (Some(stream), sigma));
-        self.measurement.set(lane, stream, sigma_mps);
-        self.stats.reset(lane, vehicle.speed_mps);
-        self.plant.reset_distance(lane);
-        self.clock_s[lane] = 0.0;
-        self.occupied[lane] = 1.0;
-        self.appear(lane, vehicle.speed_mps);
+        self.measurement.set(slot, stream, sigma_mps);
+        self.occupied[slot] = 1.0;
+        self.appear(slot, vehicle.speed_mps);
     }
 
-    pub(super) fn release(&mut self, lane: usize) -> VehicleStats {
-        self.occupied[lane] = 0.0;
-        self.vanish(lane);
-        self.stats.read(lane)
+    /// The vehicle leaves; its statistics.
+    pub(super) fn release(&mut self, slot: usize) -> VehicleStats {
+        self.occupied[slot] = 0.0;
+        self.vanish(slot);
+        self.stats.read(slot)
     }
 
     /// The vehicle is on the road at this speed, rolling straight ahead: it departed, or its teleport ended.
-    pub fn appear(&mut self, lane: usize, speed_mps: f64) {
-        self.present[lane] = 1.0;
-        self.stats.rejoin(lane, speed_mps);
-        self.held[lane] = 0.0;
-        self.target_mps[lane] = speed_mps;
-        self.last_target_mps[lane] = f64::NAN;
-        self.reference_mps[lane] = speed_mps;
-        self.measured_mps[lane] = speed_mps;
-        self.acceleration_mps2[lane] = 0.0;
-        self.plant.set_state(lane, &State::rolling(self.plant.body(lane), speed_mps));
-        self.controller.reset(lane, speed_mps);
-        self.actuators.reset(lane);
-        self.steering.straighten(lane);
+    pub fn appear(&mut self, slot: usize, speed_mps: f64) {
+        self.present[slot] = 1.0;
+        self.stats.rejoin(slot, speed_mps);
+        self.held[slot] = 0.0;
+        self.target_mps[slot] = speed_mps;
+        self.last_target_mps[slot] = f64::NAN;
+        self.reference_mps[slot] = speed_mps;
+        self.measured_mps[slot] = speed_mps;
+        self.acceleration_mps2[slot] = 0.0;
+        self.plant.set_state(slot, &State::rolling(self.plant.body(slot), speed_mps));
+        self.controller.reset(slot, speed_mps);
+        self.actuators.reset(slot);
+        self.steering.straighten(slot);
     }
 
     /// The vehicle is not on the road (teleporting): nothing of it moves and nothing is counted.
-    pub fn vanish(&mut self, lane: usize) {
-        self.present[lane] = 0.0;
-        self.plant.rest(lane);
-        self.controller.reset(lane, 0.0);
-        self.actuators.reset(lane);
+    pub fn vanish(&mut self, slot: usize) {
+        self.present[slot] = 0.0;
+        self.plant.rest(slot);
+        self.controller.reset(slot, 0.0);
+        self.actuators.reset(slot);
     }
 
     /// The speed that the vehicle is to have at the end of the coming step (or during it), and what bound it.
-    pub fn set_target(&mut self, lane: usize, target_mps: f64, bound: Bound) {
-        self.target_mps[lane] = target_mps;
-        self.bound[lane] = bound;
+    pub fn set_target(&mut self, slot: usize, target_mps: f64, bound: Bound) {
+        self.target_mps[slot] = target_mps;
+        self.bound[slot] = bound;
     }
 
     /// Changes what bound the target of the running step.
-    pub fn set_bound(&mut self, lane: usize, bound: Bound) {
-        self.bound[lane] = bound;
+    pub fn set_bound(&mut self, slot: usize, bound: Bound) {
+        self.bound[slot] = bound;
     }
 
     /// Takes the speed v* that SUMO shows at the end of a step [m/s].
-    pub fn see_speed(&mut self, lane: usize, sumo_mps: f64) {
-        self.sumo_mps[lane] = sumo_mps;
+    pub fn see_speed(&mut self, slot: usize, sumo_mps: f64) {
+        self.sumo_mps[slot] = sumo_mps;
     }
 
     /// Takes the heading that SUMO shows at the end of a step (radians, left positive); a body that stands needs none.
-    pub fn see_heading(&mut self, lane: usize, heading_rad: impl Into<Option<f64>>, step_s: f64) {
-        let speed_mps = self.plant.vx_mps[lane];
-        let limited = self.steering.see_heading(lane, heading_rad.into(), speed_mps * step_s, speed_mps);
-        self.curvature_limited[lane] = f64::from(u8::from(limited));
+    pub fn see_heading(&mut self, slot: usize, heading_rad: impl Into<Option<f64>>, step_s: f64) {
+        let speed_mps = self.plant.vx_mps[slot];
+        let limited = self.steering.see_heading(slot, heading_rad.into(), speed_mps * step_s, speed_mps);
+        self.curvature_limited[slot] = f64::from(u8::from(limited));
     }
 
     /// True if the body stands.
-    pub fn stands(&self, lane: usize) -> bool {
-        self.plant.vx_mps[lane] == 0.0
+    pub fn stands(&self, slot: usize) -> bool {
+        self.plant.vx_mps[slot] == 0.0
     }
 
     /// True if the body stood all through the last step and SUMO's car stands too: there is nothing to tell SUMO.
-    pub fn rests(&self, lane: usize) -> bool {
-        self.stands(lane) && self.acceleration_mps2[lane] == 0.0 && self.sumo_mps[lane] == 0.0
+    pub fn rests(&self, slot: usize) -> bool {
+        self.stands(slot) && self.acceleration_mps2[slot] == 0.0 && self.sumo_mps[slot] == 0.0
     }
 
     /// Slope of the road (radians, uphill positive).
-    pub fn set_grade(&mut self, lane: usize, grade_rad: f64) {
-        self.inputs.grade_rad[lane] = grade_rad;
+    pub fn set_grade(&mut self, slot: usize, grade_rad: f64) {
+        self.inputs.grade_rad[slot] = grade_rad;
     }
 
     /// The inputs that the road and the air have on the bodies, to disturb them.
@@ -229,79 +198,79 @@ impl Block {
     }
 
     /// True longitudinal speed [m/s].
-    pub fn speed_mps(&self, lane: usize) -> f64 {
-        self.plant.vx_mps[lane]
+    pub fn speed_mps(&self, slot: usize) -> f64 {
+        self.plant.vx_mps[slot]
     }
 
     /// Mean acceleration of the last step [m/s²].
-    pub fn acceleration_mps2(&self, lane: usize) -> f64 {
-        self.acceleration_mps2[lane]
+    pub fn acceleration_mps2(&self, slot: usize) -> f64 {
+        self.acceleration_mps2[slot]
     }
 
     /// ∫V_x dt since departure \[m\].
-    pub fn distance_m(&self, lane: usize) -> f64 {
-        self.plant.distance_m[lane]
+    pub fn distance_m(&self, slot: usize) -> f64 {
+        self.plant.distance_m[slot]
     }
 
     /// Speed that was asked for in the last step [m/s].
-    pub fn target_mps(&self, lane: usize) -> f64 {
-        self.target_mps[lane]
+    pub fn target_mps(&self, slot: usize) -> f64 {
+        self.target_mps[slot]
     }
 
     /// Reference at the end of the last control period [m/s].
-    pub fn reference_mps(&self, lane: usize) -> f64 {
-        self.reference_mps[lane]
+    pub fn reference_mps(&self, slot: usize) -> f64 {
+        self.reference_mps[slot]
     }
 
     /// What the controller measured last [m/s].
-    pub fn measured_mps(&self, lane: usize) -> f64 {
-        self.measured_mps[lane]
+    pub fn measured_mps(&self, slot: usize) -> f64 {
+        self.measured_mps[slot]
     }
 
     /// Slip ratios of front and rear axle.
-    pub fn slip(&self, lane: usize) -> [f64; 2] {
-        self.plant.slip(lane, self.inputs.steer_rad[lane])
+    pub fn slip(&self, slot: usize) -> [f64; 2] {
+        self.plant.slip(slot, self.inputs.steer_rad[slot])
     }
 
     /// SUMO's speed v* at the end of the last step [m/s].
-    pub fn sumo_mps(&self, lane: usize) -> f64 {
-        self.sumo_mps[lane]
+    pub fn sumo_mps(&self, slot: usize) -> f64 {
+        self.sumo_mps[slot]
     }
 
     /// The vehicle's largest acceleration and deceleration as its torque limits have it [m/s²].
-    pub fn acceleration_limits_mps2(&self, lane: usize) -> [f64; 2] {
-        let body = self.plant.body(lane);
+    pub fn acceleration_limits_mps2(&self, slot: usize) -> [f64; 2] {
+        let body = self.plant.body(slot);
         [body.drive_torque_max_nm, body.brake_torque_max_nm].map(|t| t / body.nominal_nm_per_mps2())
     }
 
     /// Sums since they were last taken, for tables by road.
-    pub fn take_sums(&mut self, lane: usize) -> Sums {
-        self.stats.take_sums(lane)
+    pub fn take_sums(&mut self, slot: usize) -> Sums {
+        self.stats.take_sums(slot)
     }
 
     /// Applied sum of wheel torques [N·m].
-    pub fn torque_nm(&self, lane: usize) -> f64 {
-        self.inputs.torque_nm[lane]
+    pub fn torque_nm(&self, slot: usize) -> f64 {
+        self.inputs.torque_nm[slot]
     }
 
     /// False if a state of the slot is not finite.
-    pub fn is_sound(&self, lane: usize) -> bool {
-        self.plant.is_finite(lane)
+    pub fn is_sound(&self, slot: usize) -> bool {
+        self.plant.is_finite(slot)
     }
 
     /// What the statistics of a slot say so far.
-    pub fn stats(&self, lane: usize) -> VehicleStats {
-        self.stats.read(lane)
+    pub fn stats(&self, slot: usize) -> VehicleStats {
+        self.stats.read(slot)
     }
 
     /// One SUMO step: `periods` control periods along the reference.
-    pub(super) fn step(&mut self, loop_config: &LoopConfig, periods: u32, follow: Follow) {
+    pub(super) fn step(&mut self, config: &LoopConfig, periods: u32, follow: Follow) {
         self.stopwatch.start();
         let before_mps = self.plant.vx_mps;
-        let step_s = f64::from(periods) * loop_config.period_s;
+        let step_s = f64::from(periods) * config.period_s;
         self.lead_limited = match follow {
-            Follow::Traffic => self.step_traffic(loop_config, periods, step_s, &before_mps),
-            _ => self.step_targets(loop_config, periods, follow),
+            Follow::Traffic => self.step_traffic(config, periods, step_s, &before_mps),
+            _ => self.step_targets(config, periods, follow),
         };
         let speed_mps = self.plant.vx_mps;
         self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - before_mps[i]) / step_s);
@@ -313,12 +282,12 @@ impl Block {
     /// forgotten in every step and show up as lost acceleration. On a plateau (v* has not changed, or is nearer than
     /// accel reaches) v* is the speed that is wanted, and the ramp ends there: to go on adding v* − V would integrate
     /// the error, and a plant with dead time would swing about a constant v* for ever.
-    fn step_traffic(&mut self, loop_config: &LoopConfig, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
+    fn step_traffic(&mut self, config: &LoopConfig, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
         let mut start_mps = [0.0; LANES];
         let mut rate_mps2 = [0.0; LANES];
         let mut lead_limited = [0.0; LANES];
         for i in 0..LANES {
-            let (low, high) = (before_mps[i] - loop_config.lead_mps, before_mps[i] + loop_config.lead_mps);
+            let (low, high) = (before_mps[i] - config.reference_bound_mps, before_mps[i] + config.reference_bound_mps);
             start_mps[i] = self.reference_mps[i].max(low).min(high);
             lead_limited[i] = if start_mps[i] == self.reference_mps[i] { 0.0 } else { 1.0 };
             let asked_mps2 = (self.target_mps[i] - before_mps[i]) / step_s;
@@ -330,11 +299,10 @@ impl Block {
         self.held = std::array::from_fn(|i| self.held[i] * rest[i]);
         for k in 0..periods {
             let at = |tau_s: f64| std::array::from_fn(|i| (start_mps[i] + rate_mps2[i] * tau_s).max(0.0));
-            let tau_s = f64::from(k) * loop_config.period_s;
+            let tau_s = f64::from(k) * config.period_s;
             let share = (f64::from(k) + 0.5) / f64::from(periods);
-            let demand =
-                Demand { start_mps: at(tau_s), end_mps: at(tau_s + loop_config.period_s), rate_mps2, rest, share };
-            self.period(loop_config, &demand);
+            let demand = Demand { start_mps: at(tau_s), end_mps: at(tau_s + config.period_s), rate_mps2, rest, share };
+            self.period(config, &demand);
         }
         if self.controller.is_ideal() {
             // To the last bit what SUMO chose: the sum of the periods' ramps need not be.
@@ -348,18 +316,18 @@ impl Block {
     }
 
     /// The reference is the target, or a profile below it, at each control period's own place and time.
-    fn step_targets(&mut self, loop_config: &LoopConfig, periods: u32, follow: Follow) -> Flags {
+    fn step_targets(&mut self, config: &LoopConfig, periods: u32, follow: Follow) -> Flags {
         for k in 0..periods {
             let here = self.targets_now(follow, 0.0);
-            let next = self.targets_now(follow, loop_config.period_s);
+            let next = self.targets_now(follow, config.period_s);
             let rest: Flags = std::array::from_fn(|i| if here.0[i] == 0.0 && next.0[i] == 0.0 { 1.0 } else { 0.0 });
             let share = (f64::from(k) + 0.5) / f64::from(periods);
             let demand = Demand { start_mps: here.0, end_mps: next.0, rate_mps2: here.1, rest, share };
             for i in 0..LANES {
                 self.held[i] *= rest[i];
-                self.clock_s[i] += loop_config.period_s;
+                self.clock_s[i] += config.period_s;
             }
-            self.period(loop_config, &demand);
+            self.period(config, &demand);
         }
         [0.0; LANES]
     }
@@ -385,15 +353,15 @@ impl Block {
     }
 
     /// One control period.
-    fn period(&mut self, loop_config: &LoopConfig, demand: &Demand) {
+    fn period(&mut self, config: &LoopConfig, demand: &Demand) {
         let moving: Flags = std::array::from_fn(|i| self.present[i] * (1.0 - self.held[i]));
         if self.controller.is_ideal() {
-            self.take_speeds(&demand.end_mps, &moving, loop_config.period_s);
+            self.take_speeds(&demand.end_mps, &moving, config.period_s);
         } else {
             self.control(demand, &moving);
             self.stopwatch.lap(CONTROL);
             self.steering.angles_rad(demand.share, &self.plant.vx_mps, &mut self.inputs.steer_rad);
-            loop_config.plant.advance(&mut self.plant, &self.inputs, &moving, loop_config.period_s);
+            config.plant.advance(&mut self.plant, &self.inputs, &moving, config.period_s);
             self.stand_still(demand, &moving);
         }
         self.stopwatch.lap(PLANT);

@@ -4,6 +4,7 @@
 //! polylines, so curvature is heading change per driven metre, smoothed over [`SMOOTHING_M`]. The road wheel angle is
 //! that of the steady turn, δ = atan(Lκ) + K_us·a_y with a_y = V²κ (single-track model, ISO 8855 signs: left is positive).
 
+use crate::columns::{Slots, columns};
 use crate::lanes::{LANES, Lanes, vectorised};
 use crate::trig::{Polynomial, Trig};
 
@@ -15,50 +16,47 @@ pub const STRAIGHT_BELOW_MPS: f64 = 0.5;
 pub const LATERAL_SHARE: f64 = 0.5;
 const GRAVITY_MPS2: f64 = 9.81;
 
-/// The curvature that each slot of a block drives, and the limits on it.
-#[derive(Debug, Clone)]
-pub struct Steering {
-    /// Curvature at the start and at the end of the running step [1/m], left positive.
-    from_per_m: Lanes,
-    to_per_m: Lanes,
-    /// Last heading \[rad\], left positive; NaN before the first.
-    heading_rad: Lanes,
-    /// Metres driven since the last heading.
-    driven_m: Lanes,
-    wheelbase_m: Lanes,
-    understeer_s2_per_m: Lanes,
-    lateral_max_mps2: Lanes,
+columns! {
+    /// The road that each slot of a block follows.
+    #[derive(Debug, Clone)]
+    struct Road {
+        columns {
+            /// Curvature at the start and at the end of the running step [1/m], left positive.
+            from_per_m: f64 = 0.0,
+            to_per_m: f64 = 0.0,
+            /// Last heading \[rad\], left positive; NaN before the first.
+            heading_rad: f64 = f64::NAN,
+        }
+    }
 }
 
-impl Default for Steering {
-    fn default() -> Self {
-        Self {
-            from_per_m: [0.0; LANES],
-            to_per_m: [0.0; LANES],
-            heading_rad: [f64::NAN; LANES],
-            driven_m: [0.0; LANES],
-            wheelbase_m: [1.0; LANES],
-            understeer_s2_per_m: [0.0; LANES],
-            lateral_max_mps2: [0.0; LANES],
+columns! {
+    /// How each slot of a block steers along its road.
+    #[derive(Debug, Clone)]
+    pub struct Steering {
+        parts {
+            road: Road = Road::default(),
+        }
+        columns {
+            wheelbase_m: f64 = 1.0,
+            understeer_s2_per_m: f64 = 0.0,
+            lateral_max_mps2: f64 = 0.0,
         }
     }
 }
 
 impl Steering {
     /// Prepares a slot for a body: wheelbase \[m\], understeer gradient [rad per m/s²], friction coefficient.
-    pub fn set(&mut self, lane: usize, wheelbase_m: f64, understeer_s2_per_m: f64, friction: f64) {
-        self.wheelbase_m[lane] = wheelbase_m;
-        self.understeer_s2_per_m[lane] = understeer_s2_per_m;
-        self.lateral_max_mps2[lane] = LATERAL_SHARE * friction * GRAVITY_MPS2;
-        self.straighten(lane);
+    pub fn set(&mut self, slot: usize, wheelbase_m: f64, understeer_s2_per_m: f64, friction: f64) {
+        self.wheelbase_m[slot] = wheelbase_m;
+        self.understeer_s2_per_m[slot] = understeer_s2_per_m;
+        self.lateral_max_mps2[slot] = LATERAL_SHARE * friction * GRAVITY_MPS2;
+        self.straighten(slot);
     }
 
     /// Forgets the road: a new vehicle, or one that was moved by other means than driving.
-    pub fn straighten(&mut self, lane: usize) {
-        self.from_per_m[lane] = 0.0;
-        self.to_per_m[lane] = 0.0;
-        self.heading_rad[lane] = f64::NAN;
-        self.driven_m[lane] = 0.0;
+    pub fn straighten(&mut self, slot: usize) {
+        self.road.clear(slot);
     }
 
     /// Takes the heading at the end of a step [rad, left positive] in which the slot drove `driven_m` metres at
@@ -66,31 +64,32 @@ impl Steering {
     /// its wheels come straight, and what SUMO's chord does meanwhile (it can turn) is no turn.
     pub fn see_heading(
         &mut self,
-        lane: usize,
+        slot: usize,
         heading_rad: impl Into<Option<f64>>,
         driven_m: f64,
         speed_mps: f64,
     ) -> bool {
-        self.from_per_m[lane] = self.to_per_m[lane];
-        let before = self.heading_rad[lane];
+        let road = &mut self.road;
+        road.from_per_m[slot] = road.to_per_m[slot];
+        let before = road.heading_rad[slot];
         let heading_rad = heading_rad.into().filter(|_| driven_m > 0.0).unwrap_or(f64::NAN);
-        self.heading_rad[lane] = heading_rad;
+        road.heading_rad[slot] = heading_rad;
         if before.is_nan() || heading_rad.is_nan() || speed_mps < STRAIGHT_BELOW_MPS {
-            self.to_per_m[lane] = 0.0;
+            road.to_per_m[slot] = 0.0;
             return false;
         }
         let turn = wrap(heading_rad - before);
-        let filtered =
-            self.from_per_m[lane] + driven_m / (SMOOTHING_M + driven_m) * (turn / driven_m - self.from_per_m[lane]);
-        let limit = self.lateral_max_mps2[lane] / (speed_mps * speed_mps);
-        self.to_per_m[lane] = filtered.clamp(-limit, limit);
+        let from = road.from_per_m[slot];
+        let filtered = from + driven_m / (SMOOTHING_M + driven_m) * (turn / driven_m - from);
+        let limit = self.lateral_max_mps2[slot] / (speed_mps * speed_mps);
+        road.to_per_m[slot] = filtered.clamp(-limit, limit);
         filtered.abs() > limit
     }
 
     /// Drives a given curvature (a recorded path) instead of the one from headings.
-    pub fn set_curvature(&mut self, lane: usize, curvature_per_m: f64) {
-        self.from_per_m[lane] = curvature_per_m;
-        self.to_per_m[lane] = curvature_per_m;
+    pub fn set_curvature(&mut self, slot: usize, curvature_per_m: f64) {
+        self.road.from_per_m[slot] = curvature_per_m;
+        self.road.to_per_m[slot] = curvature_per_m;
     }
 
     /// Road wheel angles at `share` of the step, for the speeds of the block \[rad\].
@@ -101,14 +100,15 @@ impl Steering {
 
 vectorised! {
     fn angles_rad(steering: &Steering, share: f64, speed_mps: &Lanes, out: &mut Lanes) {
-        for lane in 0..LANES {
-            let curvature = steering.from_per_m[lane] + share * (steering.to_per_m[lane] - steering.from_per_m[lane]);
-            let square = speed_mps[lane] * speed_mps[lane];
+        for slot in 0..LANES {
+            let (from, to) = (steering.road.from_per_m[slot], steering.road.to_per_m[slot]);
+            let curvature = from + share * (to - from);
+            let square = speed_mps[slot] * speed_mps[slot];
             // The step's curvature was limited at its end; the speed inside the step may be higher.
-            let limit = steering.lateral_max_mps2[lane] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
+            let limit = steering.lateral_max_mps2[slot] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
             let kappa = curvature.min(limit).max(-limit);
-            out[lane] =
-                Polynomial::atan(steering.wheelbase_m[lane] * kappa) + steering.understeer_s2_per_m[lane] * square * kappa;
+            out[slot] =
+                Polynomial::atan(steering.wheelbase_m[slot] * kappa) + steering.understeer_s2_per_m[slot] * square * kappa;
         }
     }
 }

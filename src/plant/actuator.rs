@@ -1,5 +1,6 @@
 //! Actuators between a controller's torque and the wheels: limits, dead time, first-order lag.
 
+use crate::columns::{Slots, columns};
 use crate::lanes::{LANES, Lanes};
 
 /// What became of the torques of one control period.
@@ -15,54 +16,59 @@ pub struct Actuated {
     pub applied: Lanes,
 }
 
-/// The actuators of one block of vehicles.
-///
-/// In each period: limit, then dead time, then lag. The dead time is a ring buffer of periods; a dead time between two
-/// multiples of the period interpolates linearly between the two samples. The lag is the exact answer of
-/// τ ẋ = in − x over one period to an input that is constant in it, y_k = x at the period's end:
-/// x ← in + (x − in)·exp(−Δt/τ).
-#[derive(Debug, Clone)]
-pub struct Actuators {
-    period_s: f64,
-    /// Past limited torques and products, newest at `head`; one row per period.
-    torque_ring: Vec<Lanes>,
-    product_ring: Vec<Lanes>,
-    head: usize,
-    /// Whole periods of dead time, and the weight of the sample one period older.
-    whole: [usize; LANES],
-    older: Lanes,
-    /// exp(−Δt/τ), 0 without lag.
-    decay: Lanes,
-    drive_max_nm: Lanes,
-    brake_max_nm: Lanes,
-    torque: Lanes,
-    product: Lanes,
+columns! {
+    /// The actuators of one block of vehicles, without dead time, lag or limits until [`Actuators::set`] says otherwise, for
+    /// control periods of `period_s` and dead times up to `dead_time_max_s`.
+    ///
+    /// In each period: limit, then dead time, then lag. The dead time is a ring buffer of periods; a dead time between two
+    /// multiples of the period interpolates linearly between the two samples. The lag is the exact answer of
+    /// τ ẋ = in − x over one period to an input that is constant in it, y_k = x at the period's end:
+    /// x ← in + (x − in)·exp(−Δt/τ).
+    #[derive(Debug, Clone)]
+    pub struct Actuators(period_s: f64, dead_time_max_s: f64) {
+        shared {
+            period_s: f64 = period_s,
+        }
+        parts {
+            past: Past = Past::new((dead_time_max_s / period_s).ceil().max(0.0) as usize + 2),
+        }
+        columns {
+            /// Whole periods of dead time, and the weight of the sample one period older.
+            whole: usize = 0,
+            older: f64 = 0.0,
+            /// exp(−Δt/τ), 0 without lag.
+            decay: f64 = 0.0,
+            drive_max_nm: f64 = f64::INFINITY,
+            brake_max_nm: f64 = f64::INFINITY,
+        }
+    }
+}
+
+columns! {
+    /// Past limited torques and their products with the gain.
+    #[derive(Debug, Clone)]
+    struct Past(rows: usize) {
+        shared {
+            /// The newest row of the rings, which have one row per period.
+            head: usize = 0,
+        }
+        parts {
+            torque_ring: Vec<Lanes> = vec![[0.0; LANES]; rows],
+            product_ring: Vec<Lanes> = vec![[0.0; LANES]; rows],
+        }
+        columns {
+            /// What left the lag in the last period.
+            torque: f64 = 0.0,
+            product: f64 = 0.0,
+        }
+    }
 }
 
 impl Actuators {
-    /// Actuators without dead time, lag or limits, for control periods of `period_s` and dead times up to
-    /// `max_dead_time_s`.
-    pub fn new(period_s: f64, max_dead_time_s: f64) -> Self {
-        let rows = (max_dead_time_s / period_s).ceil().max(0.0) as usize + 2;
-        Self {
-            period_s,
-            torque_ring: vec![[0.0; LANES]; rows],
-            product_ring: vec![[0.0; LANES]; rows],
-            head: 0,
-            whole: [0; LANES],
-            older: [0.0; LANES],
-            decay: [0.0; LANES],
-            drive_max_nm: [f64::INFINITY; LANES],
-            brake_max_nm: [f64::INFINITY; LANES],
-            torque: [0.0; LANES],
-            product: [0.0; LANES],
-        }
-    }
-
     /// Sets dead time \[s\], lag time constant \[s\] and torque limits (sums over the wheels, both positive) [N·m] of a slot
     /// and forgets its past. A dead time beyond the capacity is shortened to it.
     pub fn set(&mut self, slot: usize, dead_time_s: f64, lag_s: f64, drive_max_nm: f64, brake_max_nm: f64) {
-        let periods = (dead_time_s / self.period_s).clamp(0.0, (self.torque_ring.len() - 2) as f64);
+        let periods = (dead_time_s / self.period_s).clamp(0.0, (self.past.torque_ring.len() - 2) as f64);
         // A dead time typed as a multiple of the period is one: 0.07/0.01 must not become 7.000000000000001.
         let periods = if (periods - periods.round()).abs() < 1e-9 { periods.round() } else { periods };
         self.whole[slot] = periods.floor() as usize;
@@ -75,29 +81,25 @@ impl Actuators {
 
     /// Forgets the past of a slot: zero torque everywhere.
     pub fn reset(&mut self, slot: usize) {
-        for row in self.torque_ring.iter_mut().chain(&mut self.product_ring) {
-            row[slot] = 0.0;
-        }
-        self.torque[slot] = 0.0;
-        self.product[slot] = 0.0;
+        self.past.clear(slot);
     }
 
     /// Takes the torques asked for in this period and gives those that act in it. `gain` turns a torque into the
     /// controller's input v = gain·torque; the product is carried as one, so that a delayed torque is never multiplied
     /// by a later gain.
     pub fn step(&mut self, torque_nm: &Lanes, gain: &Lanes) -> Actuated {
-        let rows = self.torque_ring.len();
-        self.head = if self.head + 1 < rows { self.head + 1 } else { 0 };
+        let past = &mut self.past;
+        past.head = if past.head + 1 < past.torque_ring.len() { past.head + 1 } else { 0 };
         let mut out = Actuated::default();
         for lane in 0..LANES {
             let limited = torque_nm[lane].min(self.drive_max_nm[lane]).max(-self.brake_max_nm[lane]);
             out.commanded[lane] = gain[lane] * torque_nm[lane];
             out.saturated[lane] = gain[lane] * limited;
-            self.torque_ring[self.head][lane] = limited;
+            past.torque_ring[past.head][lane] = limited;
         }
-        self.product_ring[self.head] = out.saturated;
-        for (state, ring) in [(&mut self.torque, &self.torque_ring), (&mut self.product, &self.product_ring)] {
-            let [newer, older] = look_back(ring, self.head, &self.whole);
+        past.product_ring[past.head] = out.saturated;
+        for (state, ring) in [(&mut past.torque, &past.torque_ring), (&mut past.product, &past.product_ring)] {
+            let [newer, older] = look_back(ring, past.head, &self.whole);
             for lane in 0..LANES {
                 let (share, decay) = (self.older[lane], self.decay[lane]);
                 let between = newer[lane] + share * (older[lane] - newer[lane]);
@@ -106,8 +108,8 @@ impl Actuators {
                 state[lane] = if decay > 0.0 { lagged } else { delayed };
             }
         }
-        out.torque_nm = self.torque;
-        out.applied = self.product;
+        out.torque_nm = past.torque;
+        out.applied = past.product;
         out
     }
 }

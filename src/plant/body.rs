@@ -53,6 +53,13 @@ pub struct Body {
     pub combined_slip: bool,
 }
 
+impl Default for Body {
+    /// The mid-size saloon.
+    fn default() -> Self {
+        car()
+    }
+}
+
 impl Body {
     /// Wheelbase L = l_f + l_r \[m\].
     pub fn wheelbase_m(&self) -> f64 {

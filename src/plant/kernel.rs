@@ -7,11 +7,11 @@
 
 use std::cell::RefCell;
 
+use super::block::{Inputs, Plant, PlantBlock};
 use super::integrator::substep;
 use super::layout::FourWheels;
 use super::loops::{Workspace, advance_lanes};
 use super::seven_dof::{Car, Drive, sine_and_cosine};
-use super::{Inputs, Plant, PlantBlock};
 use crate::lanes::{Flags, LANES, vectorised};
 use crate::trig::Libm;
 
@@ -74,7 +74,7 @@ impl Plant for SevenDof {
 
 /// The vehicle in a lane and what acts on it.
 pub fn acting(block: &PlantBlock, inputs: &Inputs, lane: usize) -> (Car, Drive) {
-    let car = Car::pick(&block.cars, lane);
+    let car = block.car(lane);
     let angles = [inputs.steer_rad[lane], inputs.grade_rad[lane], inputs.bank_rad[lane]];
     let angles = angles.map(sine_and_cosine::<Libm>);
     (car, Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles))

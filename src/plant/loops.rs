@@ -7,13 +7,44 @@
 //!
 //! The loops are compiled for each [`Layout`]; a block takes the simplest one that holds for its vehicles.
 
+use super::block::{Inputs, PlantBlock};
 use super::integrator::{Half, Moment, first_stage, second_stage};
-use super::layout::{Common, FourWheels, Layout, StraightAhead, TwoAxles};
+use super::layout::{FourWheels, Layout, StraightAhead, TwoAxles};
 use super::seven_dof::{Car, Drive, Forces, Grip, Slip, forces, left_across, peaks, sine_and_cosine, slips};
 use super::tyre::Tyre;
-use super::{Inputs, PlantBlock};
+
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::trig::{Polynomial, Trig, with_atan};
+
+/// Which of the layouts hold for a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Common {
+    /// [`TwoAxles`] holds.
+    pub even: bool,
+    /// [`StraightAhead`] holds.
+    pub ahead: bool,
+}
+
+impl Common {
+    /// What the moving vehicles of a block have in common.
+    #[inline(always)]
+    pub fn of(block: &PlantBlock, inputs: &Inputs, moving: &Flags) -> Self {
+        let (half_track, friction) = Car::sides(block.cars());
+        let [fl, fr, rl, rr] = &block.wheel_speed_radps;
+        let pairs = [(fl, fr), (rl, rr), (friction[0], friction[1]), (friction[2], friction[3])];
+        let across =
+            [&block.vy_mps, &block.yaw_rate_radps, &block.acceleration_mps2[1], &inputs.steer_rad, &inputs.bank_rad];
+        let (mut uneven, mut wide, mut sideways) = (0, 0, 0);
+        for lane in 0..LANES {
+            let bits = |column: &Lanes| column[lane].to_bits();
+            let counts = 0_u64.wrapping_sub(u64::from(moving[lane] > 0.0));
+            uneven |= counts & pairs.iter().fold(0, |all, (left, right)| all | (bits(left) ^ bits(right)));
+            wide |= counts & bits(half_track);
+            sideways |= counts & across.iter().fold(0, |all, column| all | bits(column));
+        }
+        Self { even: uneven == 0 && wide == 0, ahead: uneven == 0 && sideways == 0 }
+    }
+}
 
 /// Numbers that one loop over the lanes leaves to the next.
 #[repr(align(64))]
@@ -68,7 +99,7 @@ impl Tyres {
             with_atan(&mut self.slip.0[*i], |_, _, angle| angle);
         }
         for i in L::TYRES {
-            let [b, _, e] = Car::tyre_columns(&block.cars, *i);
+            let [b, _, e] = Car::tyre_columns(block.cars(), *i);
             let x = &mut self.shape.0[*i];
             for lane in 0..LANES {
                 x[lane] = b[lane] * self.slip.0[*i][lane];
@@ -76,7 +107,7 @@ impl Tyres {
             with_atan(x, |lane, bt, angle| Tyre::bend(e[lane], bt, angle));
         }
         for i in L::TYRES {
-            let [_, c, _] = Car::tyre_columns(&block.cars, *i);
+            let [_, c, _] = Car::tyre_columns(block.cars(), *i);
             with_atan(&mut self.shape.0[*i], |lane, _, angle| c[lane] * angle);
         }
         for i in L::TYRES {
@@ -84,7 +115,7 @@ impl Tyres {
                 *x = Polynomial::sin(*x);
             }
         }
-        let ellipse = Car::ellipse_column(&block.cars);
+        let ellipse = Car::ellipse_column(block.cars());
         if L::AHEAD || is_zero(ellipse) {
             self.left.0 = [[1.0; LANES]; 4];
             return;
@@ -140,7 +171,7 @@ impl Workspace {
 /// The vehicle in a lane, what acts on it, and its state.
 #[inline(always)]
 fn pick<L: Layout>(block: &PlantBlock, inputs: &Inputs, angles: &[Columns<2>; 3], lane: usize) -> (Car, Drive, Moment) {
-    let car = Car::pick(&block.cars, lane);
+    let car = block.car(lane);
     let [steer, grade, bank] = angles;
     let angles = [steer, grade, bank].map(|angle| [angle.0[0][lane], angle.0[1][lane]]);
     (car, Drive::new(&car, inputs.torque_nm[lane], inputs.headwind_mps[lane], angles), block.moment::<L>(lane))
@@ -193,7 +224,7 @@ fn advance_alike<L: Layout>(work: &mut Workspace, block: &mut PlantBlock, inputs
 
 #[cfg(test)]
 mod tests {
-    use super::super::State;
+    use super::super::block::State;
     use super::super::body::BODIES;
     use super::*;
     use crate::random::Stream;
@@ -201,7 +232,7 @@ mod tests {
     /// Sixteen vehicles and what acts on them in one period: roads up and down, wind, torques from full brakes to spinning
     /// wheels; sometimes standing, sometimes rolling backwards. On straight roads some have track width.
     fn scene(random: &mut Stream, steers: bool) -> (PlantBlock, Inputs) {
-        let (mut block, mut inputs) = (PlantBlock::new(), Inputs::default());
+        let (mut block, mut inputs) = (PlantBlock::default(), Inputs::default());
         for lane in 0..LANES {
             let mut body = (BODIES[lane % BODIES.len()].build)();
             (body.drag_area_m2, body.rolling_resistance) = (0.7, 0.01);
@@ -257,7 +288,7 @@ mod tests {
         let (moving, inputs) = ([1.0; LANES], Inputs::default());
         let mut body = (BODIES[0].build)();
         body.track_width_m = 1.5;
-        let mut block = PlantBlock::new();
+        let mut block = PlantBlock::default();
         block.set_body(3, &body);
         assert_eq!(Common::of(&block, &inputs, &moving), Common { even: false, ahead: true });
         body.friction[1] = 0.3;
@@ -279,13 +310,13 @@ mod tests {
             |block, _| block.acceleration_mps2[1][5] = 0.1,
         ];
         for (k, push) in pushes.iter().enumerate() {
-            let (mut block, mut inputs) = (PlantBlock::new(), Inputs::default());
+            let (mut block, mut inputs) = (PlantBlock::default(), Inputs::default());
             push(&mut block, &mut inputs);
             let common = Common::of(&block, &inputs, &[1.0; LANES]);
             assert_eq!(common, Common { even: true, ahead: false }, "{k}");
         }
         for wheel in 0..4 {
-            let mut block = PlantBlock::new();
+            let mut block = PlantBlock::default();
             block.wheel_speed_radps[wheel][5] = 0.1;
             let common = Common::of(&block, &Inputs::default(), &[1.0; LANES]);
             assert_eq!(common, Common { even: false, ahead: false }, "wheel {wheel}");

@@ -12,11 +12,11 @@
 
 use nalgebra::{SMatrix, SVector};
 
+use super::block::{Inputs, Plant, PlantBlock};
 use super::integrator::{HOLD_MPS, Moment, finish, wheel_torques};
 use super::kernel::acting;
 use super::layout::FourWheels;
 use super::seven_dof::{Car, Drive, Vector, peaks, rates, tyre_forces};
-use super::{Inputs, Plant, PlantBlock};
 use crate::lanes::{Flags, LANES};
 use crate::trig::Libm;
 

@@ -48,7 +48,7 @@ pub fn loop_config(scenario: &Scenario) -> Result<LoopConfig, RunError> {
     Ok(LoopConfig {
         plant: (plant.build)(&scenario.plant.values),
         period_s: scenario.control_period_s,
-        lead_mps: scenario.coupling.lead_mps,
+        reference_bound_mps: scenario.coupling.lead_mps,
     })
 }
 

@@ -90,7 +90,7 @@ fn statistics(bencher: Bencher) {
 fn fleet(name: &'static str, vehicles: usize) -> impl FnMut() {
     let group = GroupSetup { controller: Box::new(move || law(name)), dead_time_max_s: 0.0 };
     let plant = Box::new(SevenDof::new(0.01));
-    let mut fleet = Fleet::new(LoopConfig { plant, period_s: 0.01, lead_mps: 1.0 }, vec![group]);
+    let mut fleet = Fleet::new(LoopConfig { plant, period_s: 0.01, reference_bound_mps: 1.0 }, vec![group]);
     let body = (BODIES[0].build)();
     let slots: Vec<Slot> = (0..vehicles)
         .map(|i| {

@@ -56,7 +56,7 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Cars in town: different speeds, torques and steering in every slot.
 fn town() -> (PlantBlock, Inputs) {
-    let mut block = PlantBlock::new();
+    let mut block = PlantBlock::default();
     let mut inputs = Inputs::default();
     for slot in 0..LANES {
         let state = State::rolling(block.body(slot), 5.0 + slot as f64);
