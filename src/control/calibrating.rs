@@ -44,8 +44,9 @@
 //! or a start comes late. `docs/controllers.md` compares the laws at equal tuning and says where this one loses.
 
 use super::{Actuation, Command, Controller, Observation};
+use crate::columns::{Slots, columns};
 use crate::keys::{Key, Kind, Values};
-use crate::lanes::{LANES, Lanes, vectorised};
+use crate::lanes::{LANES, vectorised};
 
 pub(super) const KEYS: &[Key] = &[
     Key {
@@ -94,7 +95,7 @@ const DELAY_MAX_S: f64 = 2.0;
 const INPUT_MAX_MPS2: f64 = 1e6;
 
 pub(super) fn build(values: &Values, period_s: f64) -> Box<dyn Controller> {
-    Box::new(Calibrating::new(values, period_s))
+    Box::new(Calibrating::new(Law::new(values, period_s)))
 }
 
 /// The constants of the law.
@@ -114,45 +115,65 @@ struct Law {
     forgetting: f64,
 }
 
-/// All that is remembered of a block of vehicles.
-#[derive(Debug, Clone, Default)]
-struct Memory {
-    /// The observer on y: ŷ [m/s] and d [m/s²].
-    y_mps: Lanes,
-    d_mps2: Lanes,
-    /// The observer on v: what the inputs of the past have to do with ŷ [m/s], and −w [m/s²].
-    from_v_mps: Lanes,
-    from_v_mps2: Lanes,
-    /// ȳ_r.
-    reference_mps: Lanes,
-    /// Means of z, d, w [m/s²] and of the products zd, zw.
-    z: Lanes,
-    d: Lanes,
-    w: Lanes,
-    zd: Lanes,
-    zw: Lanes,
-    /// P, and its mean.
-    pending_mps: Lanes,
-    pending_mean_mps: Lanes,
-    /// Mean of (v_sent + v_acts)/2.
-    on_its_way_mps2: Lanes,
-    /// θ̂.
-    delay_s: Lanes,
-    /// ρ̂.
-    scale: Lanes,
-    f_hat_mps2: Lanes,
+columns! {
+    /// What a vehicle's motion leaves to the next period; it is void once the vehicle has come to rest.
+    #[derive(Debug, Clone)]
+    struct Motion {
+        columns {
+            /// The observer on y: ŷ [m/s] and d [m/s²].
+            y_mps: f64 = 0.0,
+            d_mps2: f64 = 0.0,
+            /// The observer on v: what the inputs of the past have to do with ŷ [m/s], and −w [m/s²].
+            from_v_mps: f64 = 0.0,
+            from_v_mps2: f64 = 0.0,
+            /// ȳ_r.
+            reference_mps: f64 = 0.0,
+            /// P, and its mean.
+            pending_mps: f64 = 0.0,
+            pending_mean_mps: f64 = 0.0,
+            /// Mean of (v_sent + v_acts)/2.
+            on_its_way_mps2: f64 = 0.0,
+            f_hat_mps2: f64 = 0.0,
+        }
+    }
 }
 
-/// The law for one block of vehicles.
-struct Calibrating {
-    law: Law,
-    memory: Memory,
+columns! {
+    /// What was learned of a vehicle and its actuators.
+    #[derive(Debug, Clone)]
+    struct Known {
+        columns {
+            /// Means of z, d, w [m/s²] and of the products zd, zw.
+            z: f64 = 0.0,
+            d: f64 = 0.0,
+            w: f64 = 0.0,
+            zd: f64 = 0.0,
+            zw: f64 = 0.0,
+            /// θ̂.
+            delay_s: f64 = 0.0,
+            /// ρ̂.
+            scale: f64 = 1.0,
+        }
+    }
 }
 
-impl Calibrating {
+columns! {
+    /// The law for one block of vehicles.
+    struct Calibrating(law: Law) {
+        shared {
+            law: Law = law,
+        }
+        parts {
+            motion: Motion = Motion::default(),
+            known: Known = Known::default(),
+        }
+    }
+}
+
+impl Law {
     fn new(values: &Values, period_s: f64) -> Self {
         let pole = libm::exp(-4.0 * period_s / values.number("window_s"));
-        let law = Law {
+        Self {
             period_s,
             k_p: values.number("k_p"),
             accel_per_unit_mps2: values.number("accel_per_unit_mps2"),
@@ -161,59 +182,43 @@ impl Calibrating {
             rate_gain_per_s: (1.0 - pole) * (1.0 - pole) / period_s,
             smoothing: 1.0 - libm::exp(-period_s / SMOOTHING_S),
             forgetting: 1.0 - libm::exp(-period_s / values.number("memory_s")),
-        };
-        Self { law, memory: Memory { scale: [1.0; LANES], ..Memory::default() } }
-    }
-
-    /// A vehicle at constant speed, no torque on its way; ρ̂, θ̂ and the moments stay.
-    fn settle(&mut self, slot: usize, speed_mps: f64) {
-        let m = &mut self.memory;
-        m.y_mps[slot] = speed_mps;
-        m.reference_mps[slot] = speed_mps;
-        let observer = [&mut m.d_mps2, &mut m.from_v_mps, &mut m.from_v_mps2, &mut m.f_hat_mps2];
-        let actuators = [&mut m.pending_mps, &mut m.pending_mean_mps, &mut m.on_its_way_mps2];
-        for column in observer.into_iter().chain(actuators) {
-            column[slot] = 0.0;
         }
     }
 }
 
 impl Controller for Calibrating {
     fn command(&mut self, observation: &Observation, command: &mut Command) {
-        observe(&self.law, observation, &mut self.memory);
-        calibrate(&self.law, observation, &mut self.memory);
-        act(&self.law, observation, &mut self.memory, command);
+        observe(&self.law, observation, &mut self.motion);
+        calibrate(&self.law, observation, &mut self.motion, &mut self.known);
+        act(&self.law, observation, &self.known, &mut self.motion, command);
     }
 
     fn feedback(&mut self, actuation: &Actuation) {
-        predict(&self.law, actuation, &mut self.memory);
+        predict(&self.law, actuation, &mut self.motion, &mut self.known);
     }
 
     fn reset(&mut self, slot: usize, speed_mps: f64) {
-        let m = &mut self.memory;
-        for column in [&mut m.z, &mut m.d, &mut m.w, &mut m.zd, &mut m.zw, &mut m.delay_s] {
-            column[slot] = 0.0;
-        }
-        m.scale[slot] = 1.0;
-        self.settle(slot, speed_mps);
+        self.clear(slot);
+        self.motion.y_mps[slot] = speed_mps;
+        self.motion.reference_mps[slot] = speed_mps;
     }
 
     fn rest(&mut self, slot: usize) {
-        self.settle(slot, 0.0);
+        self.motion.clear(slot);
     }
 
     fn alpha_ratio(&self, slot: usize) -> f64 {
-        self.memory.scale[slot]
+        self.known.scale[slot]
     }
 
     fn f_hat_mps2(&self, slot: usize) -> f64 {
-        self.memory.f_hat_mps2[slot]
+        self.motion.f_hat_mps2[slot]
     }
 }
 
 vectorised! {
     /// The observer's correction by the measured speed.
-    fn observe(law: &Law, observed: &Observation, m: &mut Memory) {
+    fn observe(law: &Law, observed: &Observation, m: &mut Motion) {
         for i in 0..LANES {
             let innovation = observed.measured_mps[i] - m.y_mps[i];
             m.y_mps[i] += law.speed_gain * innovation;
@@ -227,38 +232,38 @@ vectorised! {
 
 vectorised! {
     /// The moments and ρ̂.
-    fn calibrate(law: &Law, observed: &Observation, m: &mut Memory) {
+    fn calibrate(law: &Law, observed: &Observation, m: &mut Motion, known: &mut Known) {
         for i in 0..LANES {
             m.reference_mps[i] += law.smoothing * (observed.reference_mps[i] - m.reference_mps[i]);
             let z = (observed.reference_mps[i] - m.reference_mps[i]) / SMOOTHING_S;
             let (d, w) = (m.d_mps2[i], -m.from_v_mps2[i]);
             let share = law.forgetting * z * z / (z * z + GATE_MPS2 * GATE_MPS2);
-            m.z[i] += share * (z - m.z[i]);
-            m.d[i] += share * (d - m.d[i]);
-            m.w[i] += share * (w - m.w[i]);
-            m.zd[i] += share * (z * d - m.zd[i]);
-            m.zw[i] += share * (z * w - m.zw[i]);
-            let c_d = m.zd[i] - m.z[i] * m.d[i];
-            let c_w = m.zw[i] - m.z[i] * m.w[i];
+            known.z[i] += share * (z - known.z[i]);
+            known.d[i] += share * (d - known.d[i]);
+            known.w[i] += share * (w - known.w[i]);
+            known.zd[i] += share * (z * d - known.zd[i]);
+            known.zw[i] += share * (z * w - known.zw[i]);
+            let c_d = known.zd[i] - known.z[i] * known.d[i];
+            let c_w = known.zw[i] - known.z[i] * known.w[i];
             let doubt = DOUBT_MPS4 * DOUBT_MPS4;
-            m.scale[i] = ((c_d * c_w + doubt) / (c_w * c_w + doubt)).clamp(SCALE[0], SCALE[1]);
+            known.scale[i] = ((c_d * c_w + doubt) / (c_w * c_w + doubt)).clamp(SCALE[0], SCALE[1]);
         }
     }
 }
 
 vectorised! {
     /// The law, on the error that is to be when the torque comes to act.
-    fn act(law: &Law, observed: &Observation, m: &mut Memory, command: &mut Command) {
+    fn act(law: &Law, observed: &Observation, known: &Known, m: &mut Motion, command: &mut Command) {
         for i in 0..LANES {
             let rate = observed.reference_rate_mps2[i];
             let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
-            let scale = m.scale[i];
+            let scale = known.scale[i];
             let y_hat = m.y_mps[i] + scale * m.from_v_mps[i];
             let f_hat = m.d_mps2[i] + scale * m.from_v_mps2[i];
             m.f_hat_mps2[i] = f_hat;
             let wanted = rate - f_hat; // the input that would keep the error as it is
             let e = y_hat - observed.reference_mps[i];
-            let e_ahead = e + scale * m.pending_mps[i] - m.delay_s[i] * wanted;
+            let e_ahead = e + scale * m.pending_mps[i] - known.delay_s[i] * wanted;
             let u = (wanted - law.k_p * e_ahead) / scale;
 
             let torque_per_u = law.accel_per_unit_mps2 * observed.nominal_nm_per_mps2[i];
@@ -270,7 +275,7 @@ vectorised! {
 
 vectorised! {
     /// The observer's prediction with the torque that acts, and the account of the torque on its way.
-    fn predict(law: &Law, actuation: &Actuation, m: &mut Memory) {
+    fn predict(law: &Law, actuation: &Actuation, m: &mut Motion, known: &mut Known) {
         for i in 0..LANES {
             let sent = actuation.saturated_mps2[i].clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
             let acts = actuation.applied_mps2[i].clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
@@ -280,9 +285,9 @@ vectorised! {
             m.pending_mean_mps[i] += law.smoothing * (m.pending_mps[i] - m.pending_mean_mps[i]);
             m.on_its_way_mps2[i] += law.smoothing * (0.5 * (sent + acts) - m.on_its_way_mps2[i]);
             let v = m.on_its_way_mps2[i];
-            let missed = m.pending_mean_mps[i] - m.delay_s[i] * v;
-            let delay = m.delay_s[i] + law.smoothing * missed * v / (v * v + GATE_MPS2 * GATE_MPS2);
-            m.delay_s[i] = delay.clamp(0.0, DELAY_MAX_S);
+            let missed = m.pending_mean_mps[i] - known.delay_s[i] * v;
+            let delay = known.delay_s[i] + law.smoothing * missed * v / (v * v + GATE_MPS2 * GATE_MPS2);
+            known.delay_s[i] = delay.clamp(0.0, DELAY_MAX_S);
         }
     }
 }
@@ -291,6 +296,7 @@ vectorised! {
 mod tests {
     use super::*;
     use crate::keys::Value;
+    use crate::lanes::Lanes;
     use crate::random::Stream;
     use std::collections::VecDeque;
 
@@ -300,7 +306,7 @@ mod tests {
 
     fn law(changes: &[(&'static str, f64)]) -> Calibrating {
         let values = changes.iter().fold(Values::defaults(KEYS), |v, (key, x)| v.with(key, Value::Number(*x)));
-        let mut law = Calibrating::new(&values, PERIOD_S);
+        let mut law = Calibrating::new(Law::new(&values, PERIOD_S));
         (0..LANES).for_each(|slot| law.reset(slot, START_MPS));
         law
     }
@@ -395,7 +401,7 @@ mod tests {
             let mut law = law(&[]);
             let mut world = World::new(scales(), delay, true);
             world.follow_sine(&mut law, 60);
-            for found in law.memory.delay_s {
+            for found in law.known.delay_s {
                 let expected = PERIOD_S * delay as f64;
                 println!("{found}");
                 assert!((found - expected).abs() <= 0.03 * expected, "{found} for {expected}");
@@ -408,7 +414,7 @@ mod tests {
         let mut law = law(&[]);
         let mut world = World::new([1.0; LANES], 25, true);
         world.follow_sine(&mut law, 7);
-        let (pending, before) = (law.memory.pending_mps, world.speed_mps);
+        let (pending, before) = (law.motion.pending_mps, world.speed_mps);
         for _ in 0..25 {
             world.period(&mut law, 15.0, 0.0);
         }
@@ -425,7 +431,7 @@ mod tests {
         for _ in 0..1_000 {
             world.period(&mut law, 15.0, 0.0);
         }
-        let known = law.memory.scale;
+        let known = law.known.scale;
         for k in 0..20_000 {
             world.force_mps2 = if (k / 500) % 2 == 0 { 0.5 } else { -0.5 };
             world.period(&mut law, 15.0, 0.0);
@@ -455,7 +461,7 @@ mod tests {
             world.period(&mut law, START_MPS, 0.0);
             squares = std::array::from_fn(|i| squares[i] + (world.speed_mps[i] - START_MPS).powi(2) / 6_000.0);
         }
-        assert_eq!(law.memory.scale, [1.0; LANES]);
+        assert_eq!(law.known.scale, [1.0; LANES]);
         assert!(squares.iter().all(|s| s.sqrt() < 0.25), "{squares:?}");
     }
 
@@ -464,12 +470,12 @@ mod tests {
         let mut law = law(&[]);
         let mut world = World::new([2.0; LANES], 25, false);
         world.follow_sine(&mut law, 30);
-        let (scale, delay) = (law.memory.scale, law.memory.delay_s);
+        let (scale, delay) = (law.known.scale, law.known.delay_s);
         law.rest(3);
         law.reset(4, 0.0);
-        assert_eq!((law.alpha_ratio(3), law.memory.delay_s[3], law.f_hat_mps2(3)), (scale[3], delay[3], 0.0));
-        assert_eq!((law.alpha_ratio(4), law.memory.delay_s[4], law.f_hat_mps2(4)), (1.0, 0.0, 0.0));
-        assert_eq!((law.alpha_ratio(5), law.memory.delay_s[5]), (scale[5], delay[5]));
+        assert_eq!((law.alpha_ratio(3), law.known.delay_s[3], law.f_hat_mps2(3)), (scale[3], delay[3], 0.0));
+        assert_eq!((law.alpha_ratio(4), law.known.delay_s[4], law.f_hat_mps2(4)), (1.0, 0.0, 0.0));
+        assert_eq!((law.alpha_ratio(5), law.known.delay_s[5]), (scale[5], delay[5]));
         let mut command = Command::default();
         law.command(&Observation { nominal_nm_per_mps2: [1.0; LANES], ..Observation::default() }, &mut command);
         assert_eq!((command.torque_nm[3], command.torque_nm[4]), (0.0, 0.0));

@@ -11,8 +11,15 @@
 //! chunk takes while it is in the window. So an estimate remains a function of the window's content, to the bit, and reads
 //! a fifth of it; the room that a window takes is two and a half times as much.
 
-use super::estimator::Sample;
 use crate::lanes::{LANES, Lanes, vectorised};
+
+/// One sample of a block: the measured speed [m/s] and the input that led to it [m/s²].
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Sample {
+    pub y: Lanes,
+    pub v: Lanes,
+}
 
 /// Samples of a chunk.
 pub(super) const LENGTH: usize = 16;

@@ -10,19 +10,12 @@
 //! The sum is taken anew over the window in every period. A running sum would save time and drift. A long window is read
 //! by chunks of sixteen samples (`chunks.rs`), which are no running sums either.
 
-use super::chunks::{self, Chunks};
+use super::chunks::{self, Chunks, Sample};
+use crate::columns::Slots;
 use crate::lanes::{LANES, Lanes, vectorised};
 
 /// Windows of so many intervals and more are read by chunks.
 const LONG: usize = 64;
-
-/// One sample of a block: the measured speed [m/s] and the input that led to it [m/s²].
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-pub(super) struct Sample {
-    pub y: Lanes,
-    pub v: Lanes,
-}
 
 /// Weights of one sample: of y [1/s] and of v [-].
 #[derive(Debug, Clone, Copy)]
@@ -90,6 +83,12 @@ impl Window {
         if let Some(chunks) = &mut self.chunks {
             chunks.fill(slot, y_mps);
         }
+    }
+}
+
+impl Slots for Window {
+    fn clear(&mut self, slot: usize) {
+        self.fill(slot, 0.0);
     }
 }
 

@@ -27,6 +27,7 @@
 
 use super::estimator::Window;
 use super::{Actuation, Command, Controller, Observation};
+use crate::columns::{Column, Slots, columns};
 use crate::keys::{Key, Kind, Values};
 use crate::lanes::{LANES, Lanes, vectorised};
 
@@ -108,7 +109,7 @@ pub(super) const ADAPTIVE_KEYS: &[Key] = &[
 ];
 
 pub(super) fn classic(values: &Values, period_s: f64) -> Box<dyn Controller> {
-    Box::new(Mfc::new(Law::classic(values), values, period_s))
+    build(Law::classic(values), values, period_s)
 }
 
 pub(super) fn adaptive(values: &Values, period_s: f64) -> Box<dyn Controller> {
@@ -117,7 +118,7 @@ pub(super) fn adaptive(values: &Values, period_s: f64) -> Box<dyn Controller> {
         window_uses_updated: values.text("window_alpha") == "updated",
         recompute_u: values.flag("recompute_u"),
     };
-    Box::new(Mfc::new(Law { adaptation: Some(adaptation), ..Law::classic(values) }, values, period_s))
+    build(Law { adaptation: Some(adaptation), ..Law::classic(values) }, values, period_s)
 }
 
 /// Which torque the window is told about.
@@ -157,40 +158,40 @@ impl Law {
     }
 }
 
-/// Both laws for one block of vehicles.
-struct Mfc {
-    law: Law,
-    input_estimate: InputEstimate,
-    window: Window,
-    /// v_{k−1} as the window will be told [m/s²].
-    v_mps2: Lanes,
-    alpha: Lanes,
-    f_hat_mps2: Lanes,
-}
-
-impl Mfc {
-    fn new(law: Law, values: &Values, period_s: f64) -> Self {
-        let window_s = if values.text("estimator") == "difference" { period_s } else { values.number("window_s") };
-        let input_estimate = match values.text("input_estimate") {
-            "commanded" => InputEstimate::Commanded,
-            "saturated" => InputEstimate::Saturated,
-            _ => InputEstimate::Applied,
-        };
-        Self {
-            law,
-            input_estimate,
-            window: Window::new(window_s, period_s),
-            v_mps2: [0.0; LANES],
-            alpha: [law.alpha_nominal; LANES],
-            f_hat_mps2: [0.0; LANES],
+columns! {
+    /// Both laws for one block of vehicles.
+    struct Mfc(law: Law, input_estimate: InputEstimate, window: Window) {
+        shared {
+            law: Law = law,
+            input_estimate: InputEstimate = input_estimate,
+        }
+        parts {
+            window: Window = window,
+            alpha: Column = Column::new(law.alpha_nominal),
+        }
+        columns {
+            /// v_{k−1} as the window will be told [m/s²].
+            v_mps2: f64 = 0.0,
+            f_hat_mps2: f64 = 0.0,
         }
     }
+}
+
+/// Either law, as the keys have it.
+fn build(law: Law, values: &Values, period_s: f64) -> Box<dyn Controller> {
+    let window_s = if values.text("estimator") == "difference" { period_s } else { values.number("window_s") };
+    let input_estimate = match values.text("input_estimate") {
+        "commanded" => InputEstimate::Commanded,
+        "saturated" => InputEstimate::Saturated,
+        _ => InputEstimate::Applied,
+    };
+    Box::new(Mfc::new(law, input_estimate, Window::new(window_s, period_s)))
 }
 
 impl Controller for Mfc {
     fn command(&mut self, observation: &Observation, command: &mut Command) {
         self.f_hat_mps2 = self.window.estimate(&observation.measured_mps, &self.v_mps2);
-        intelligent_p(&self.law, observation, &self.f_hat_mps2, &mut self.alpha, command);
+        intelligent_p(&self.law, observation, &self.f_hat_mps2, &mut self.alpha.values, command);
     }
 
     fn feedback(&mut self, actuation: &Actuation) {
@@ -205,14 +206,12 @@ impl Controller for Mfc {
     }
 
     fn reset(&mut self, slot: usize, speed_mps: f64) {
+        self.clear(slot);
         self.window.fill(slot, speed_mps);
-        self.v_mps2[slot] = 0.0;
-        self.alpha[slot] = self.law.alpha_nominal;
-        self.f_hat_mps2[slot] = 0.0;
     }
 
     fn alpha_ratio(&self, slot: usize) -> f64 {
-        self.alpha[slot] / self.law.alpha_nominal
+        self.alpha.values[slot] / self.law.alpha_nominal
     }
 
     fn f_hat_mps2(&self, slot: usize) -> f64 {

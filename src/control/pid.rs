@@ -15,8 +15,9 @@
 //! forgets what was cut off and drifts.
 
 use super::{Actuation, Command, Controller, Observation};
+use crate::columns::{Slots, columns};
 use crate::keys::{Key, Kind, Values};
-use crate::lanes::{LANES, Lanes, vectorised};
+use crate::lanes::{LANES, vectorised};
 
 pub(super) const KEYS: &[Key] = &[
     Key {
@@ -71,17 +72,20 @@ struct Law {
     rate_max_mps2: f64,
 }
 
-/// What one period leaves to the next.
-#[derive(Default)]
-struct Memory {
-    /// The limited acceleration a*_{k−1} [m/s²].
-    accel: Lanes,
-    /// e_{k−1} [m/s].
-    error: Lanes,
-    /// e_{k−1} − e_{k−2} [m/s].
-    change: Lanes,
-    /// ẏ_r,k−1 [m/s²].
-    rate: Lanes,
+columns! {
+    /// What one period leaves to the next.
+    struct Memory {
+        columns {
+            /// The limited acceleration a*_{k−1} [m/s²].
+            accel: f64 = 0.0,
+            /// e_{k−1} [m/s].
+            error: f64 = 0.0,
+            /// e_{k−1} − e_{k−2} [m/s].
+            change: f64 = 0.0,
+            /// ẏ_r,k−1 [m/s²].
+            rate: f64 = 0.0,
+        }
+    }
 }
 
 struct Pid {
@@ -99,10 +103,7 @@ impl Controller for Pid {
     }
 
     fn reset(&mut self, slot: usize, _speed_mps: f64) {
-        let memory = &mut self.memory;
-        for column in [&mut memory.accel, &mut memory.error, &mut memory.change, &mut memory.rate] {
-            column[slot] = 0.0;
-        }
+        self.memory.clear(slot);
     }
 }
 
