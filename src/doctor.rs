@@ -2,7 +2,8 @@
 
 use crate::cosim::{CosimError, Fault, WorldSetup, self_check};
 use crate::run::{self, RunError};
-use crate::scenario::{Catalog, Request, Scenario, sumo_arguments};
+use crate::scenario::{Catalog, Request, Scenario};
+use crate::sumo_files::sumo_arguments;
 use crate::traci::{self, Client, SumoBinary, SumoProcess, find_sumo};
 use std::fmt;
 use std::path::Path;

@@ -9,8 +9,9 @@
 //! 4  run                                       one scenario -> one result
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
-//! 1  fleet                                     the closed loop on columns; where floor-0 rooms meet
-//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes registry random stopwatch trig
+//! 1  sumo_files                                SUMO's configuration, options, demand, outputs
+//!    fleet                                     the closed loop on columns; where floor-0 rooms meet
+//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes place registry random stopwatch trig
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
@@ -25,6 +26,7 @@ pub mod lanes;
 pub mod measurement;
 pub mod output;
 pub mod paper;
+mod place;
 pub mod plant;
 pub mod random;
 pub mod reference;
@@ -33,5 +35,6 @@ pub mod run;
 pub mod scenario;
 pub mod stats;
 pub mod stopwatch;
+pub mod sumo_files;
 pub mod traci;
 pub mod trig;

@@ -1,4 +1,4 @@
-//! What a run leaves on disk: tables, summary and manifest, and the readers of SUMO's own outputs.
+//! What a run leaves on disk: tables, summary and manifest.
 //!
 //! - A **table** is a [`Layout`]: a list of [`Column`]s, each a name and an accessor of the row. CSV, Parquet and XML
 //!   all come from that list; the suffix of the path picks the format from [`FORMATS`].
@@ -18,10 +18,8 @@ mod result_dir;
 mod rows;
 mod sampler;
 mod spread;
-mod statistics;
 mod summary;
 mod table;
-mod tripinfo;
 mod xml_sink;
 
 pub use atomic::PartFile;
@@ -31,10 +29,8 @@ pub use result_dir::ResultDir;
 pub use rows::{EDGES, Reason, SAMPLE, SampleRow, TRACE, TraceRow, VEHICLES, VehicleRow, sort_vehicles};
 pub use sampler::{SAMPLED, Sampler};
 pub use spread::Spread;
-pub use statistics::SumoStatistics;
 pub use summary::{Summary, SumoTotals, terminal_text};
 pub use table::{Cell, Column, FORMATS, Layout, Read, Shape, Sink, Table, write_table};
-pub use tripinfo::{TripInfo, Trips};
 
 use crate::registry::UnknownName;
 use std::io;

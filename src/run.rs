@@ -13,7 +13,8 @@ use crate::cosim::{CosimError, World};
 use crate::output::{Input, Manifest, OutputError, ResultDir, Summary, VehicleRow};
 use crate::reference::ReferenceError;
 use crate::registry::UnknownName;
-use crate::scenario::{Scenario, ScenarioError, SumoCommand, sumo_arguments};
+use crate::scenario::{Scenario, ScenarioError};
+use crate::sumo_files::{SumoCommand, SumoFileError, sumo_arguments};
 use crate::traci::{self, Client, SumoProcess, find_named};
 use profile::Profiler;
 use progress::Progress;
@@ -111,6 +112,10 @@ pub enum RunError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scenario(#[from] ScenarioError),
+    /// SUMO's own files.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    SumoFiles(#[from] SumoFileError),
     /// The files.
     #[error(transparent)]
     Output(#[from] OutputError),

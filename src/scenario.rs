@@ -5,32 +5,28 @@
 //! range checks, suggestions, `check` and `check --template` all come from these tables, so a new key is one line.
 
 mod catalog;
-mod demand;
 mod document;
-mod equipped;
 mod error;
 mod load;
 mod print;
-mod redirect;
 mod section;
 mod selector;
 mod spread;
-mod sumo_arguments;
-mod sumocfg;
 
 use std::path::PathBuf;
 
 pub use catalog::{Catalog, Named, Options};
 pub use document::Override;
-pub use equipped::Equipped;
-pub use error::{Place, ScenarioError};
+pub use error::ScenarioError;
 pub use load::Request;
 pub use print::template;
 pub use selector::{EgoInfo, Selector};
 pub use spread::{Distribution, Quantity};
-pub use sumo_arguments::{SumoCommand, sumo_arguments};
 
-use crate::keys::Values;
+use crate::{
+    keys::Values,
+    sumo_files::{Equipped, SumoSetup},
+};
 
 /// A checked scenario in SI units.
 #[derive(Debug, Clone)]
@@ -57,51 +53,6 @@ pub struct Scenario {
     pub inputs: Vec<PathBuf>,
     /// What the user should be told: overridden settings of the configuration, keys left unused.
     pub notes: Vec<String>,
-}
-
-/// How SUMO is started.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SumoSetup {
-    /// What SUMO loads.
-    pub source: Source,
-    /// SUMO's step \[s\].
-    pub step_length_s: f64,
-    /// Simulation time at which the run ends \[s\]; `None` = as the configuration says.
-    pub end_s: Option<f64>,
-    /// Seed of SUMO and of everything drawn here.
-    pub seed: u64,
-    /// Whether SUMO moves vehicles by the mean of old and new speed.
-    pub ballistic: bool,
-    /// Further options of SUMO, passed on as they are.
-    pub options: Vec<String>,
-    /// Start sumo-gui.
-    pub gui: bool,
-    /// TraCI port; `None` = a free one.
-    pub port: Option<u16>,
-    /// TraCI clients that SUMO waits for, this one included.
-    pub num_clients: u32,
-    /// `HOST:PORT` of a SUMO that already runs.
-    pub connect: Option<String>,
-}
-
-/// What SUMO loads; all paths absolute.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Source {
-    /// A `.sumocfg`.
-    Config(PathBuf),
-    /// A network with its traffic.
-    Network {
-        /// The network.
-        net: PathBuf,
-        /// Route files.
-        routes: Vec<PathBuf>,
-        /// Additional files.
-        additional: Vec<PathBuf>,
-    },
-    /// Whatever the SUMO at `connect` has loaded.
-    Running,
-    /// Nothing: the vehicles drive without SUMO ([`Scenario::load_offline`]).
-    Offline,
 }
 
 /// A name of a registry with the values of its keys.
@@ -212,6 +163,16 @@ impl Scenario {
     /// As [`Scenario::load`].
     pub fn load_offline(request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
         load::load(request, catalog, true)
+    }
+
+    /// What the demand says of `has.mfc.device`, read only if a selector asks for it.
+    pub fn equipped(&self) -> Equipped {
+        let selectors = self.groups.iter().map(|g| &g.select).chain([&self.egos]);
+        if selectors.into_iter().any(|s| matches!(s, Selector::Param)) {
+            Equipped::read(&self.inputs)
+        } else {
+            Equipped::default()
+        }
     }
 
     /// The scenario as TOML in SI units. Reading it gives the same scenario.

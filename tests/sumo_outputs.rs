@@ -7,7 +7,10 @@ use std::{
     process::Command,
 };
 
-use sumo_mfc::scenario::{Catalog, Override, Request, Scenario, SumoCommand, sumo_arguments};
+use sumo_mfc::{
+    scenario::{Catalog, Override, Request, Scenario},
+    sumo_files::{SumoCommand, sumo_arguments},
+};
 
 const VERSIONS: [&str; 2] = ["1.28.0", "1.15.0"];
 

@@ -1,6 +1,6 @@
 //! `summary.json` and the words that a run ends with.
 
-use super::{Reason, Spread, SumoStatistics, Trips, VEHICLES, VehicleRow};
+use super::{Reason, Spread, VEHICLES, VehicleRow};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -21,20 +21,6 @@ pub struct SumoTotals {
     pub collisions: u64,
     /// Teleports.
     pub teleports: u64,
-}
-
-impl SumoTotals {
-    /// From SUMO's outputs. Their `vehicleTripStatistics` also average over unfinished trips, hence the trips.
-    pub fn new(statistics: &SumoStatistics, trips: &Trips) -> Self {
-        let (arrived, time_loss_mean_s) = trips.arrivals();
-        Self {
-            inserted: statistics.inserted,
-            arrived,
-            time_loss_mean_s,
-            collisions: statistics.collisions,
-            teleports: statistics.teleports,
-        }
-    }
 }
 
 /// The contents of `summary.json`.

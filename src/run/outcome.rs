@@ -2,8 +2,9 @@
 
 use super::RunError;
 use crate::cosim::state::{Finished, State};
-use crate::output::{EdgeTable, Summary, SumoStatistics, SumoTotals, TripInfo, Trips, VehicleRow};
-use crate::scenario::{Scenario, SumoCommand};
+use crate::output::{EdgeTable, Summary, SumoTotals, VehicleRow};
+use crate::scenario::Scenario;
+use crate::sumo_files::{SumoCommand, SumoStatistics, TripInfo, Trips};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ impl Outcome {
             _ => (None, Trips::default()),
         };
         let totals = match statistics {
-            Some(statistics) => SumoTotals::new(&statistics, &trips),
+            Some(statistics) => totals(&statistics, &trips),
             None => SumoTotals {
                 inserted: state.departed,
                 arrived: state.arrived,
@@ -72,6 +73,18 @@ impl Outcome {
         let mut summary = Summary::new(&self.rows, self.totals, simulated_s, wall_s);
         summary.counts.extend(self.counts.iter().map(|(name, count)| ((*name).to_owned(), *count)));
         summary
+    }
+}
+
+/// From SUMO's outputs. Their `vehicleTripStatistics` also average over unfinished trips, hence the trips.
+fn totals(statistics: &SumoStatistics, trips: &Trips) -> SumoTotals {
+    let (arrived, time_loss_mean_s) = trips.arrivals();
+    SumoTotals {
+        inserted: statistics.inserted,
+        arrived,
+        time_loss_mean_s,
+        collisions: statistics.collisions,
+        teleports: statistics.teleports,
     }
 }
 

@@ -9,7 +9,7 @@ use crate::plant::PLANTS;
 use crate::plant::tyre::{identify, read_curve};
 use crate::reference::TARGETS;
 use crate::registry::find;
-use crate::scenario::{Equipped, Group, Scenario};
+use crate::scenario::{Group, Scenario};
 use std::path::{Path, PathBuf};
 
 /// The world of a scenario.
@@ -29,7 +29,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         blocks: blocks.collect::<Result<_, RunError>>()?,
         groups: scenario.groups.clone(),
         egos: scenario.egos.clone(),
-        equipped: Equipped::of_scenario(scenario),
+        equipped: scenario.equipped(),
         loop_config: loop_config(scenario)?,
         grade: scenario.coupling.grade,
         seed: scenario.sumo.seed,

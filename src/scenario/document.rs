@@ -5,7 +5,8 @@ use std::{collections::BTreeMap, ops::Range, path::PathBuf, sync::Arc};
 
 use toml_edit::{Item, TableLike, Value};
 
-use super::error::{Origin, Place, ScenarioError};
+use super::error::ScenarioError;
+use crate::place::{Origin, Place};
 
 /// Entries by key.
 pub(crate) type Table = BTreeMap<String, Entry>;

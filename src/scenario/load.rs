@@ -4,16 +4,15 @@ use std::path::{Path, PathBuf};
 
 use super::{
     Actuator, Catalog, Choice, Coupling, Group, Options, Output, Override, Quantity, Scenario, ScenarioError, Selector,
-    Source, SumoSetup, Trace, Traffic, Vehicle,
+    Trace, Traffic, Vehicle,
     catalog::{ACTUATOR_KEYS, COUPLING_KEYS, NOISE_KEYS, OUTPUT_KEYS, PRESET_KEY, SUMO_KEYS, SUMO_LISTS, TRAFFIC_KEYS},
-    demand,
     document::{self, Entry, Node, Table},
-    section::{Checked, Section, absolute, existing, known, text, texts},
-    sumo_arguments::ours,
+    section::{Checked, Section, existing, known, text, texts},
 };
 use crate::{
     keys::{Key, Kind},
     registry::UnknownName,
+    sumo_files::{Demand, Source, SumoFileError, SumoSetup, absolute, ours},
 };
 
 /// The sections of a scenario file.
@@ -72,7 +71,10 @@ pub(super) fn load(request: &Request, catalog: &Catalog, offline: bool) -> Resul
     known("", &root, SECTIONS)?;
     let mut scenario = resolve(request, &root, catalog, offline)?;
     scenario.inputs.splice(0..0, request.scenario.iter().map(|p| absolute(Path::new(""), p)));
-    demand::check(&mut scenario, &root)?;
+    let routes = section(&root, "sumo", "sumo")?.get("routes").map(|entry| entry.place.clone());
+    let demand = Demand::check(&scenario.sumo, routes)?;
+    scenario.inputs.extend(demand.inputs);
+    scenario.notes.extend(demand.notes);
     let mut seen = std::collections::BTreeSet::new();
     scenario.inputs.retain(|path| seen.insert(path.clone()));
     scenario.notes.splice(0..0, notes);
@@ -85,7 +87,7 @@ fn read(path: &Path) -> Result<Table, ScenarioError> {
     let is_toml = path.extension().is_some_and(|e| e == "toml");
     let is_network = path.to_string_lossy().trim_end_matches(".gz").ends_with(".net.xml");
     if is_network {
-        return Err(ScenarioError::NoRoutes { net: path.to_owned() });
+        return Err(SumoFileError::NoRoutes { net: path.to_owned() }.into());
     }
     let text = std::fs::read_to_string(path).map_err(unreadable)?;
     if !is_toml && text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {

@@ -5,12 +5,15 @@ use std::fmt::Write;
 use toml_edit::Value as Toml;
 
 use super::{
-    Catalog, Choice, Distribution, Group, Named, Options, Quantity, Scenario, Source, Trace,
+    Catalog, Choice, Distribution, Group, Named, Options, Quantity, Scenario, Trace,
     catalog::{ACTUATOR_KEYS, COUPLING_KEYS, NOISE_KEYS, OUTPUT_KEYS, PRESET_KEY, SUMO_KEYS, SUMO_LISTS, TRAFFIC_KEYS},
     load::choices,
     section::wanted,
 };
-use crate::keys::{Key, Value, Values};
+use crate::{
+    keys::{Key, Value, Values},
+    sumo_files::Source,
+};
 
 /// The scenario as TOML; reading it gives the same scenario.
 pub(super) fn scenario(scenario: &Scenario) -> String {

@@ -6,11 +6,11 @@ use super::{
     document::{Entry, Node, Table},
     error::ScenarioError,
     spread::Distribution,
-    sumocfg::environment,
 };
 use crate::{
     keys::{Key, Kind, Value, Values},
     registry::nearest,
+    sumo_files::{absolute, environment},
 };
 
 /// The checked values of a section, and its keys that are drawn per vehicle.
@@ -159,10 +159,4 @@ pub(crate) fn existing(entry: &Entry, path: &str, name: &str) -> Result<PathBuf,
         return Ok(file);
     }
     Err(ScenarioError::MissingFile { place: entry.place.clone(), key: path.to_owned(), path: file })
-}
-
-/// `path` seen from `folder`, absolute; `.` and empty parts vanish, symbolic links stay.
-pub(crate) fn absolute(folder: &Path, path: &Path) -> PathBuf {
-    let joined = folder.join(path);
-    std::path::absolute(&joined).unwrap_or(joined)
 }

@@ -6,6 +6,7 @@ use super::*;
 use crate::{
     keys::{Key, Kind, Value},
     registry::Entry,
+    sumo_files::Source,
 };
 
 const GAIN: Key =

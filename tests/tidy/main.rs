@@ -20,6 +20,7 @@ const FLOORS: &[(&str, u8)] = &[
     ("output", 0),
     ("stats", 0),
     ("fleet", 1),
+    ("sumo_files", 1),
     ("scenario", 2),
     ("cosim", 3),
     ("run", 4),
@@ -33,7 +34,7 @@ const FLOORS: &[(&str, u8)] = &[
 ];
 
 /// Imported by every room; they import only each other.
-const COMMON_GROUND: &[&str] = &["columns", "keys", "lanes", "random", "registry", "stopwatch", "trig"];
+const COMMON_GROUND: &[&str] = &["columns", "keys", "lanes", "place", "random", "registry", "stopwatch", "trig"];
 
 /// Rooms or files (path below src/ without `.rs`) that may name tokio.
 const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "doctor", "cli", "main"];
@@ -42,6 +43,7 @@ const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run"
 const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "output",
     "scenario",
+    "sumo_files",
     "reference/table",
     "traci/client",
     "traci/process",

@@ -1,7 +1,7 @@
 //! Reader of SUMO's `--tripinfo-output`
 //! (<https://sumo.dlr.de/docs/Simulation/Output/TripInfo.html>), SUMO 1.15 to 1.28.
 
-use super::OutputError;
+use super::error::SumoFileError;
 use super::statistics::{Elements, attribute_number};
 use quick_xml::events::BytesStart;
 use std::collections::BTreeMap;
@@ -37,8 +37,8 @@ impl Trips {
     /// Reads a file as a stream.
     ///
     /// # Errors
-    /// [`OutputError::File`] if it cannot be read, [`OutputError::Content`] with the place if it is not what SUMO writes.
-    pub fn read(path: &Path) -> Result<Self, OutputError> {
+    /// [`SumoFileError::Unreadable`] if it cannot be read, [`SumoFileError::Content`] with the place if it is not what SUMO writes.
+    pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let mut trips = Self::default();
         let mut elements = Elements::open(path)?;
         trips.whole = elements.each(|element| {

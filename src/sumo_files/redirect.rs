@@ -12,9 +12,9 @@ use quick_xml::{
 };
 
 use super::{
-    error::ScenarioError,
-    section::absolute,
-    sumocfg::{attribute, read_text},
+    configuration::{attribute, read_text},
+    error::SumoFileError,
+    path::absolute,
 };
 
 /// Attributes of additional files that name a file to write: element, attribute.
@@ -86,7 +86,7 @@ impl Redirect {
     }
 
     /// The file to load in place of an additional file: itself, or its rewritten copy if it names files to write.
-    pub fn additional(&mut self, file: &Path) -> Result<PathBuf, ScenarioError> {
+    pub fn additional(&mut self, file: &Path) -> Result<PathBuf, SumoFileError> {
         if is_compressed(file) || !names_outputs(file)? {
             return Ok(file.to_owned());
         }
@@ -95,11 +95,11 @@ impl Redirect {
         let copy = PathBuf::from(self.target(&copy, &file.file_name().unwrap_or_default().to_string_lossy()));
         std::fs::create_dir_all(&self.folder)
             .and_then(|()| std::fs::write(&copy, text))
-            .map_err(|reason| ScenarioError::Unwritable { path: copy.clone(), reason })?;
+            .map_err(|reason| SumoFileError::Unwritable { path: copy.clone(), reason })?;
         Ok(copy)
     }
 
-    fn rewritten(&mut self, file: &Path, text: &str) -> Result<Vec<u8>, ScenarioError> {
+    fn rewritten(&mut self, file: &Path, text: &str) -> Result<Vec<u8>, SumoFileError> {
         let folder = file.parent().unwrap_or(Path::new("")).to_owned();
         let mut reader = Reader::from_str(text);
         let mut writer = Writer::new(Vec::new());
@@ -131,7 +131,7 @@ impl Redirect {
         tag: &BytesStart<'_>,
         folder: &Path,
         inside_light: bool,
-    ) -> Result<BytesStart<'static>, ScenarioError> {
+    ) -> Result<BytesStart<'static>, SumoFileError> {
         let element = tag.name().as_ref().to_owned();
         let light_output = inside_light && element == "param" && attribute(tag, "key").as_deref() == Some("file");
         let mut copy = BytesStart::new(element.clone());
@@ -168,20 +168,20 @@ pub(super) fn is_no_file(value: &str) -> bool {
         || socket
 }
 
-fn broken(file: &Path, error: &quick_xml::Error) -> ScenarioError {
+fn broken(file: &Path, error: &quick_xml::Error) -> SumoFileError {
     let reason = std::io::Error::new(std::io::ErrorKind::InvalidData, error.to_string());
-    ScenarioError::Unreadable { path: file.to_owned(), reason }
+    SumoFileError::Unreadable { path: file.to_owned(), reason }
 }
 
-fn unwritable(file: &Path, reason: std::io::Error) -> ScenarioError {
-    ScenarioError::Unwritable { path: file.to_owned(), reason }
+fn unwritable(file: &Path, reason: std::io::Error) -> SumoFileError {
+    SumoFileError::Unwritable { path: file.to_owned(), reason }
 }
 
 /// Calls `see` for every element of an XML file, with whether it stands inside a traffic light.
 fn elements(
     file: &Path,
-    mut see: impl FnMut(&BytesStart<'_>, bool) -> Result<(), ScenarioError>,
-) -> Result<(), ScenarioError> {
+    mut see: impl FnMut(&BytesStart<'_>, bool) -> Result<(), SumoFileError>,
+) -> Result<(), SumoFileError> {
     let text = read_text(file)?;
     let mut reader = Reader::from_str(&text);
     let mut inside_light = false;
@@ -200,7 +200,7 @@ fn elements(
 }
 
 /// Whether a file, or one that it includes, names files to write.
-fn names_outputs(file: &Path) -> Result<bool, ScenarioError> {
+fn names_outputs(file: &Path) -> Result<bool, SumoFileError> {
     let folder = file.parent().unwrap_or(Path::new("")).to_owned();
     let mut found = false;
     elements(file, |tag, inside_light| {
@@ -216,18 +216,18 @@ fn names_outputs(file: &Path) -> Result<bool, ScenarioError> {
 }
 
 /// The files that an additional file reads: included ones and theirs, and definitions of single elements.
-pub(super) fn included(file: &Path) -> Result<Vec<PathBuf>, ScenarioError> {
+pub(super) fn included(file: &Path) -> Result<Vec<PathBuf>, SumoFileError> {
     included_by(file, &mut Vec::new())
 }
 
-fn included_by(file: &Path, above: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, ScenarioError> {
+fn included_by(file: &Path, above: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, SumoFileError> {
     let mut files = Vec::new();
     if is_compressed(file) {
         return Ok(files);
     }
     if above.iter().any(|f| f == file) {
         let reason = std::io::Error::new(std::io::ErrorKind::InvalidData, "it includes itself");
-        return Err(ScenarioError::Unreadable { path: file.to_owned(), reason });
+        return Err(SumoFileError::Unreadable { path: file.to_owned(), reason });
     }
     above.push(file.to_owned());
     let folder = file.parent().unwrap_or(Path::new("")).to_owned();

@@ -8,10 +8,7 @@ use std::path::{Path, PathBuf};
 
 use quick_xml::{Reader, events::Event};
 
-use super::{
-    Scenario, Selector,
-    sumocfg::{attribute, is_true},
-};
+use super::{configuration::attribute, options::is_true};
 
 /// The parameter.
 const KEY: &str = "has.mfc.device";
@@ -24,17 +21,8 @@ pub struct Equipped {
 }
 
 impl Equipped {
-    /// Reads the inputs of a scenario, if one of its selectors asks. What cannot be read counts as silent.
-    pub fn of_scenario(scenario: &Scenario) -> Self {
-        let selectors = scenario.groups.iter().map(|g| &g.select).chain([&scenario.egos]);
-        if selectors.into_iter().any(|s| matches!(s, Selector::Param)) {
-            Self::read(&scenario.inputs)
-        } else {
-            Self::default()
-        }
-    }
-
-    fn read(files: &[PathBuf]) -> Self {
+    /// Reads files of demand. What cannot be read counts as silent.
+    pub fn read(files: &[PathBuf]) -> Self {
         let mut found = Self::default();
         for file in files {
             // As far as it can be read: SUMO says what is wrong with it.

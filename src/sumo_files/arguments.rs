@@ -6,10 +6,12 @@ use std::{
 };
 
 use super::{
-    ScenarioError, Source, SumoSetup,
+    configuration::Configuration,
+    error::SumoFileError,
+    options::{given, list, writes},
+    path::absolute,
     redirect::{Redirect, is_no_file},
-    section::absolute,
-    sumocfg::{Configuration, canonical, list, writes},
+    setup::{Source, SumoSetup},
 };
 
 /// Options that the scenario has keys for, or that the exchange needs: SUMO's option, what to use instead.
@@ -44,7 +46,7 @@ pub struct SumoCommand {
 ///
 /// # Errors
 /// A file that cannot be read or written.
-pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, ScenarioError> {
+pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, SumoFileError> {
     let folder = absolute(Path::new(""), &out_dir.join("sumo"));
     let mut line = Line { arguments: Vec::new(), given: given(&setup.options) };
     let mut redirect = Redirect::new(&folder);
@@ -101,7 +103,7 @@ fn configured(
     line: &mut Line,
     path: &Path,
     redirect: &mut Redirect,
-) -> Result<BTreeMap<String, PathBuf>, ScenarioError> {
+) -> Result<BTreeMap<String, PathBuf>, SumoFileError> {
     let configuration = Configuration::read(path)?;
     let home = configuration.origin.folder.clone();
     redirect.take_prefix(configuration.value("output-prefix").unwrap_or_default());
@@ -132,29 +134,11 @@ fn configured(
 }
 
 /// The first of the user's options that is not the user's to give, with what to use instead.
-pub(super) fn ours(options: &[String]) -> Option<(String, &'static str)> {
+pub(crate) fn ours(options: &[String]) -> Option<(String, &'static str)> {
     let given = given(options);
     OURS.iter()
         .find(|(option, _)| given.contains_key(*option))
         .map(|(option, instead)| (format!("--{option}"), *instead))
-}
-
-/// The user's options by long name. A word that starts with a dash and is no number begins an option.
-pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
-    let mut given = BTreeMap::new();
-    let mut words = options.iter().peekable();
-    while let Some(word) = words.next() {
-        let Some(name) = word.strip_prefix("--").or_else(|| word.strip_prefix('-')) else { continue };
-        let (name, value) = match name.split_once('=') {
-            Some((name, value)) => (name, value.to_owned()),
-            None => {
-                let is_value = |w: &&String| !w.starts_with('-') || w.parse::<f64>().is_ok();
-                (name, words.next_if(is_value).cloned().unwrap_or_default())
-            }
-        };
-        given.insert(canonical(name).to_owned(), value);
-    }
-    given
 }
 
 struct Line {

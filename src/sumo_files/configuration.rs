@@ -13,73 +13,11 @@ use quick_xml::{
 };
 
 use super::{
-    error::{Origin, Place, ScenarioError},
-    section::absolute,
+    error::SumoFileError,
+    options::{canonical, list},
+    path::{absolute, environment},
 };
-use crate::traci::find_sumo;
-
-/// Options that name files to write, with their synonyms (SUMO 1.15 to 1.28). Newer options that end in `-output` are
-/// recognised by that.
-pub(super) const OUTPUTS: &[(&str, &[&str])] = &[
-    ("netstate-dump", &["ndump", "netstate", "netstate-output"]),
-    ("person-fcd-output", &["person-fcd"]),
-    ("summary-output", &["summary"]),
-    ("tripinfo-output", &["tripinfo"]),
-    ("personinfo-output", &["personinfo"]),
-    ("vehroute-output", &["vehroutes"]),
-    ("personroute-output", &["personroutes"]),
-    ("statistic-output", &["statistics-output"]),
-    ("save-state.prefix", &[]),
-    ("save-state.files", &[]),
-    ("device.rerouting.output", &[]),
-    ("device.taxi.dispatch-algorithm.output", &[]),
-    ("device.taxi.idle-algorithm.output", &[]),
-    ("device.ssm.file", &[]),
-    ("device.toc.file", &[]),
-    ("gui-testing.setting-output", &[]),
-    ("log", &["l", "log-file"]),
-    ("message-log", &[]),
-    ("error-log", &[]),
-];
-
-/// Options that name files to read on which the results depend.
-pub(super) const INPUTS: &[(&str, &[&str])] = &[
-    ("net-file", &["n", "net"]),
-    ("route-files", &["r", "routes"]),
-    ("additional-files", &["a", "additional"]),
-    ("weight-files", &["w", "weights"]),
-    ("load-state", &[]),
-];
-
-/// Other options that matter here.
-const OTHERS: &[(&str, &[&str])] = &[
-    ("configuration-file", &["c", "configuration"]),
-    ("begin", &["b"]),
-    ("end", &["e"]),
-    ("seed", &["srand"]),
-    ("random", &["abs-rand"]),
-    ("step-length", &[]),
-    ("step-method.ballistic", &[]),
-    ("output-prefix", &[]),
-    ("output-suffix", &[]),
-    ("no-step-log", &[]),
-    ("start", &["S"]),
-    ("quit-on-end", &["Q"]),
-];
-
-/// The long name of an option.
-pub(super) fn canonical(name: &str) -> &str {
-    [OUTPUTS, INPUTS, OTHERS]
-        .into_iter()
-        .flatten()
-        .find(|(long, synonyms)| *long == name || synonyms.contains(&name))
-        .map_or(name, |(long, _)| long)
-}
-
-/// Whether an option (by its long name) names files to write.
-pub(super) fn writes(name: &str) -> bool {
-    name.ends_with("-output") || OUTPUTS.iter().any(|(long, _)| *long == name)
-}
+use crate::place::{Origin, Place};
 
 /// One option of a configuration.
 #[derive(Debug)]
@@ -102,7 +40,7 @@ pub(super) struct Configuration {
 }
 
 impl Configuration {
-    pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+    pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let text = read_text(path)?;
         let folder = absolute(Path::new(""), path.parent().unwrap_or(Path::new("")));
         let origin = Arc::new(Origin { name: path.display().to_string(), text, folder, argument: false });
@@ -132,40 +70,9 @@ impl Configuration {
     }
 }
 
-/// The items of a list as SUMO writes it.
-pub(super) fn list(value: &str) -> impl Iterator<Item = &str> {
-    value.split([',', ';']).map(str::trim).filter(|item| !item.is_empty())
-}
-
-/// SUMO's booleans.
-pub(super) fn is_true(value: &str) -> bool {
-    ["1", "yes", "true", "on", "x", "t"].contains(&value.to_lowercase().as_str())
-}
-
-/// Puts environment variables in place of `${NAME}`, as SUMO does. Unknown ones stay. `${SUMO_HOME}` is where SUMO was
-/// found, if the variable is not set.
-pub(super) fn environment(text: &str) -> String {
-    let value = |name: &str| match std::env::var(name).ok().filter(|v| !v.is_empty()) {
-        None if name == "SUMO_HOME" => {
-            let home = find_sumo(None).ok()?.home?;
-            Some(absolute(Path::new(""), &home).to_string_lossy().into_owned())
-        }
-        value => value,
-    };
-    let mut parts = text.split("${");
-    let mut whole = parts.next().unwrap_or_default().to_owned();
-    for part in parts {
-        match part.split_once('}').and_then(|(name, rest)| Some((value(name)?, rest))) {
-            Some((value, rest)) => whole.extend([value.as_str(), rest]),
-            None => whole.extend(["${", part]),
-        }
-    }
-    whole
-}
-
 /// A text file in UTF-8 or, failing that, Latin-1, in which older SUMO tools wrote.
-pub(super) fn read_text(path: &Path) -> Result<String, ScenarioError> {
-    let bytes = std::fs::read(path).map_err(|reason| ScenarioError::Unreadable { path: path.to_owned(), reason })?;
+pub(super) fn read_text(path: &Path) -> Result<String, SumoFileError> {
+    let bytes = std::fs::read(path).map_err(|reason| SumoFileError::Unreadable { path: path.to_owned(), reason })?;
     Ok(String::from_utf8(bytes).unwrap_or_else(|e| e.into_bytes().into_iter().map(char::from).collect()))
 }
 
@@ -175,7 +82,7 @@ pub(super) fn attribute(tag: &BytesStart<'_>, name: &str) -> Option<String> {
     Some(found.normalized_value(XmlVersion::Implicit1_0).map_or_else(|_| found.value.to_string(), |v| v.to_string()))
 }
 
-fn settings(origin: &Arc<Origin>) -> Result<Vec<Setting>, ScenarioError> {
+fn settings(origin: &Arc<Origin>) -> Result<Vec<Setting>, SumoFileError> {
     let mut reader = Reader::from_str(&origin.text);
     let mut settings = Vec::new();
     let mut open: Option<(String, usize, String)> = None;
@@ -183,7 +90,7 @@ fn settings(origin: &Arc<Origin>) -> Result<Vec<Setting>, ScenarioError> {
         let start = reader.buffer_position() as usize;
         let event = reader.read_event().map_err(|e| {
             let at = reader.error_position() as usize;
-            ScenarioError::Syntax {
+            SumoFileError::Syntax {
                 place: Place { origin: origin.clone(), span: at..at },
                 message: format!("not XML as SUMO writes it: {e}"),
             }
@@ -221,7 +128,7 @@ fn settings(origin: &Arc<Origin>) -> Result<Vec<Setting>, ScenarioError> {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Configuration, ScenarioError> {
+    fn read(text: &str) -> Result<Configuration, SumoFileError> {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.sumocfg");
         std::fs::write(&path, text).unwrap();
@@ -252,15 +159,5 @@ mod tests {
     fn broken_xml_names_the_line() {
         let error = read("<configuration>\n<input>\n<net-file value=\"x\"/>\n</configuration>").unwrap_err();
         assert!(error.to_string().contains("a.sumocfg:4: not XML"), "{error}");
-    }
-
-    #[test]
-    fn outputs_are_known_by_any_name() {
-        for name in ["tripinfo", "fcd-output", "l", "device.ssm.file", "a-new-output", "save-state.prefix"] {
-            assert!(writes(canonical(name)), "{name}");
-        }
-        for name in ["net-file", "tripinfo-output.write-unfinished", "output-prefix", "precision"] {
-            assert!(!writes(canonical(name)), "{name}");
-        }
     }
 }

@@ -2,7 +2,7 @@
 //! (<https://sumo.dlr.de/docs/Simulation/Output/StatisticOutput.html>), SUMO 1.15 to 1.28, and what both readers of
 //! SUMO's XML share.
 
-use super::{OutputError, file_error};
+use super::error::{SumoFileError, unreadable};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use std::fs::File;
@@ -32,8 +32,8 @@ impl SumoStatistics {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`OutputError::File`] if it cannot be read, [`OutputError::Content`] with the place if it is not what SUMO writes.
-    pub fn read(path: &Path) -> Result<Self, OutputError> {
+    /// [`SumoFileError::Unreadable`] if it cannot be read, [`SumoFileError::Content`] with the place if it is not what SUMO writes.
+    pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let mut statistics = Self::default();
         let mut found = 0;
         let mut elements = Elements::open(path)?;
@@ -80,13 +80,16 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    pub fn open(path: &Path) -> Result<Self, OutputError> {
-        let file = File::open(path).map_err(file_error("open", path))?;
+    pub fn open(path: &Path) -> Result<Self, SumoFileError> {
+        let file = File::open(path).map_err(unreadable(path))?;
         Ok(Self { path: path.to_owned(), reader: Reader::from_reader(BufReader::new(file)) })
     }
 
     /// Calls `visit` with every element. False if the file breaks off before its root is closed.
-    pub fn each(&mut self, mut visit: impl FnMut(&BytesStart<'_>) -> Result<(), String>) -> Result<bool, OutputError> {
+    pub fn each(
+        &mut self,
+        mut visit: impl FnMut(&BytesStart<'_>) -> Result<(), String>,
+    ) -> Result<bool, SumoFileError> {
         let (mut buffer, mut depth, mut seen) = (Vec::new(), 0_usize, false);
         loop {
             buffer.clear();
@@ -105,7 +108,7 @@ impl Elements {
                 Ok(_) => Ok(()),
                 Err(quick_xml::Error::Io(source)) => {
                     let source = std::io::Error::new(source.kind(), source);
-                    return Err(file_error("read", &self.path)(source));
+                    return Err(unreadable(&self.path)(source));
                 }
                 // A tag, comment or quote that the file does not end: it was cut there.
                 Err(quick_xml::Error::Syntax(_)) => return Ok(false),
@@ -115,8 +118,8 @@ impl Elements {
         }
     }
 
-    pub fn error(&self, what: String) -> OutputError {
-        OutputError::Content { path: self.path.clone(), offset: self.reader.buffer_position(), what }
+    pub fn error(&self, what: String) -> SumoFileError {
+        SumoFileError::Content { path: self.path.clone(), offset: self.reader.buffer_position(), what }
     }
 }
 

@@ -1,0 +1,26 @@
+//! SUMO's own files: the configuration and its options, SUMO's command line, what it writes and where, who drives in the
+//! demand, and the results that SUMO leaves.
+//!
+//! The room knows nothing of scenarios: [`SumoSetup`] says how SUMO is to be started, and `scenario` fills it.
+
+mod arguments;
+mod configuration;
+mod demand;
+mod equipped;
+mod error;
+mod options;
+mod path;
+mod redirect;
+mod setup;
+mod statistics;
+mod tripinfo;
+
+pub(crate) use arguments::ours;
+pub use arguments::{SumoCommand, sumo_arguments};
+pub(crate) use demand::Demand;
+pub use equipped::Equipped;
+pub use error::SumoFileError;
+pub(crate) use path::{absolute, environment};
+pub use setup::{Source, SumoSetup};
+pub use statistics::SumoStatistics;
+pub use tripinfo::{TripInfo, Trips};
