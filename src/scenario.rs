@@ -25,7 +25,7 @@ pub use spread::{Distribution, Quantity};
 
 use crate::{
     keys::Values,
-    sumo_files::{Equipped, SumoSetup},
+    sumo_files::{Equipped, SumoFileError, SumoSetup},
 };
 
 /// A checked scenario in SI units.
@@ -166,12 +166,15 @@ impl Scenario {
     }
 
     /// What the demand says of `has.mfc.device`, read only if a selector asks for it.
-    pub fn equipped(&self) -> Equipped {
+    ///
+    /// # Errors
+    /// A file of the demand that cannot be read.
+    pub fn equipped(&self) -> Result<Equipped, SumoFileError> {
         let selectors = self.groups.iter().map(|g| &g.select).chain([&self.egos]);
         if selectors.into_iter().any(|s| matches!(s, Selector::Param)) {
             Equipped::read(&self.inputs)
         } else {
-            Equipped::default()
+            Ok(Equipped::default())
         }
     }
 

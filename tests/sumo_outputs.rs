@@ -104,8 +104,15 @@ const DETECTORS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 const INNER: &str = "<additional><variableSpeedSign id=\"v\" lanes=\"LANE\" file=\"speeds.xml\"/>\
     <edgeData id=\"inner\" file=\"inner.xml\"/></additional>";
 
-/// A configuration that writes whatever it can, wherever it can, around our own small network.
-fn greedy(folder: &Path) -> PathBuf {
+/// A type of vehicle whose device writes.
+const TYPES: &str = "<routes><include href=\"more.xml\"/></routes>";
+const MORE: &str = "<routes><vType id=\"watched\"><param key=\"has.ssm.device\" value=\"true\"/>\
+    <param key=\"device.ssm.file\" value=\"conflicts.xml\"/></vType>\
+    <trip id=\"watched\" type=\"watched\" depart=\"0\" from=\"EDGE\" to=\"EDGE\"/></routes>";
+
+/// A configuration that writes whatever it can, wherever it can, around our own small network. Its demand and additional
+/// files may be compressed under names that do not say so.
+fn greedy(folder: &Path, compressed: bool) -> PathBuf {
     let home = folder.join("home");
     copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("sumo_nets/light"), &home);
     let net = fs::read_to_string(home.join("light.net.xml")).unwrap();
@@ -114,7 +121,8 @@ fn greedy(folder: &Path) -> PathBuf {
     let fill = |text: &str| text.replace("LANE", &format!("{edge}_0")).replace("EDGE", edge);
     for (name, text) in [
         ("greedy.sumocfg", CONFIGURATION),
-        ("demand/types.xml", "<routes/>"),
+        ("demand/types.xml", TYPES),
+        ("demand/more.xml", MORE),
         ("more/detectors.add.xml", DETECTORS),
         ("more/inner/inner.add.xml", INNER),
         ("more/inner/speeds.xml", "<vss><step time=\"0\" speed=\"10\"/></vss>"),
@@ -122,16 +130,23 @@ fn greedy(folder: &Path) -> PathBuf {
     ] {
         let path = home.join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, fill(text)).unwrap();
+        let text = fill(text).into_bytes();
+        fs::write(path, if compressed && name.ends_with(".xml") { gzipped(&text) } else { text }).unwrap();
     }
     home.join("greedy.sumocfg")
 }
 
+fn gzipped(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
 #[test]
 fn law_nothing_is_written_outside_the_results() {
-    for version in VERSIONS {
+    for (version, compressed) in VERSIONS.into_iter().flat_map(|v| [(v, false), (v, true)]) {
         let folder = tempfile::tempdir().unwrap();
-        let path = greedy(folder.path());
+        let path = greedy(folder.path(), compressed);
         let before = files(folder.path());
         let out = tempfile::tempdir().unwrap();
         fs::create_dir(out.path().join("sumo")).unwrap();
@@ -139,8 +154,8 @@ fn law_nothing_is_written_outside_the_results() {
         let scenario = load(&path, &[]);
         assert_eq!(
             scenario.inputs.len(),
-            8,
-            "configuration, net, 2 routes, 2 additional, 2 included: {:?}",
+            9,
+            "configuration, net, 2 routes, 2 additional, 3 included: {:?}",
             scenario.inputs
         );
         let command = sumo_arguments(&scenario.sumo, out.path()).unwrap();
@@ -163,6 +178,7 @@ fn law_nothing_is_written_outside_the_results() {
             "run__probe.xml",
             "run__calibrator.xml",
             "run__inner.xml",
+            "run__conflicts.xml",
             "statistics.xml",
         ] {
             assert!(written.contains(&format!("sumo/{name}")), "{version}: no {name} among {written:?}");
@@ -203,7 +219,7 @@ fn foreign_configurations_start_unchanged() {
 #[test]
 fn the_users_options_replace_ours() {
     let folder = tempfile::tempdir().unwrap();
-    let path = greedy(folder.path());
+    let path = greedy(folder.path(), false);
     let out = tempfile::tempdir().unwrap();
     fs::create_dir(out.path().join("sumo")).unwrap();
     let trips = out.path().join("mine.xml");

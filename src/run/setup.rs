@@ -29,7 +29,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         blocks: blocks.collect::<Result<_, RunError>>()?,
         groups: scenario.groups.clone(),
         egos: scenario.egos.clone(),
-        equipped: scenario.equipped(),
+        equipped: scenario.equipped()?,
         loop_config: loop_config(scenario)?,
         grade: scenario.coupling.grade,
         seed: scenario.sumo.seed,

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     keys::{Key, Kind},
     registry::UnknownName,
-    sumo_files::{Demand, Source, SumoFileError, SumoSetup, absolute, ours},
+    sumo_files::{Demand, Source, SumoFileError, SumoSetup, absolute, is_xml, ours},
 };
 
 /// The sections of a scenario file.
@@ -89,12 +89,12 @@ fn read(path: &Path) -> Result<Table, ScenarioError> {
     if is_network {
         return Err(SumoFileError::NoRoutes { net: path.to_owned() }.into());
     }
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
-    if !is_toml && text.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
+    if !is_toml && is_xml(path)? {
         let mut root = Table::new();
         Override::text("", "sumo.config", &path.to_string_lossy()).apply(&mut root)?;
         return Ok(root);
     }
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     match document::parse(path.display().to_string(), text, folder)?.node {
         Node::Table(root) => Ok(root),

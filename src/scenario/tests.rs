@@ -245,6 +245,9 @@ fn law_included_files_are_inputs_and_may_not_include_themselves() {
     write("b.add.xml", "<additional><include href=\"a.add.xml\"/></additional>");
     let error = Scenario::load(&request, &catalog()).unwrap_err().to_string();
     assert!(error.contains("includes itself"), "{error}");
+    write("b.add.xml", "<additional>\n<include href=\"c.add.xml\"/></additional>");
+    let error = Scenario::load(&request, &catalog()).unwrap_err().to_string();
+    assert!(error.contains("b.add.xml:2: include: ") && error.contains("c.add.xml does not exist"), "{error}");
     write("b.add.xml", "<additional>");
     assert!(Scenario::load(&request, &catalog()).is_ok(), "SUMO says what is wrong with it");
 }

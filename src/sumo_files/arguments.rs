@@ -59,10 +59,9 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
         }
         Source::Network { net, routes, additional } => {
             line.push("net-file", &net.to_string_lossy());
-            line.push_list("route-files", routes);
-            let additional: Vec<PathBuf> =
-                additional.iter().map(|f| redirect.additional(f)).collect::<Result<_, _>>()?;
-            line.push_list("additional-files", &additional);
+            for (option, files) in [("route-files", routes), ("additional-files", additional)] {
+                line.push_list(option, &redirect.all_loaded(files)?);
+            }
         }
     }
     line.push("step-length", &setup.step_length_s.to_string());
@@ -125,10 +124,12 @@ fn configured(
     if saves && !outputs.contains_key("save-state.prefix") {
         line.push("save-state.prefix", &redirect.target(&home, "state"));
     }
-    let files = configuration.files("additional-files");
-    let copies: Vec<PathBuf> = files.iter().map(|f| redirect.additional(f)).collect::<Result<_, _>>()?;
-    if copies != files {
-        line.push_list("additional-files", &copies);
+    for option in ["route-files", "additional-files"] {
+        let files = configuration.files(option);
+        let copies = redirect.all_loaded(&files)?;
+        if copies != files {
+            line.push_list(option, &copies);
+        }
     }
     Ok(outputs)
 }

@@ -7,15 +7,13 @@ use std::{
     sync::Arc,
 };
 
-use quick_xml::{
-    Reader, XmlVersion,
-    events::{BytesStart, Event},
-};
+use quick_xml::{XmlVersion, events::Event};
 
 use super::{
     error::SumoFileError,
     options::{canonical, list},
     path::{absolute, environment},
+    xml::{self, Item, Xml, attribute},
 };
 use crate::place::{Origin, Place};
 
@@ -41,10 +39,10 @@ pub(super) struct Configuration {
 
 impl Configuration {
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
-        let text = read_text(path)?;
+        let text = xml::text(path)?;
         let folder = absolute(Path::new(""), path.parent().unwrap_or(Path::new("")));
         let origin = Arc::new(Origin { name: path.display().to_string(), text, folder, argument: false });
-        let settings = settings(&origin)?;
+        let settings = settings(path, &origin)?;
         Ok(Self { origin, settings })
     }
 
@@ -70,42 +68,28 @@ impl Configuration {
     }
 }
 
-/// A text file in UTF-8 or, failing that, Latin-1, in which older SUMO tools wrote.
-pub(super) fn read_text(path: &Path) -> Result<String, SumoFileError> {
-    let bytes = std::fs::read(path).map_err(|reason| SumoFileError::Unreadable { path: path.to_owned(), reason })?;
-    Ok(String::from_utf8(bytes).unwrap_or_else(|e| e.into_bytes().into_iter().map(char::from).collect()))
-}
-
-/// An attribute of an element.
-pub(super) fn attribute(tag: &BytesStart<'_>, name: &str) -> Option<String> {
-    let found = tag.attributes().with_checks(false).flatten().find(|a| a.key.as_ref() == name)?;
-    Some(found.normalized_value(XmlVersion::Implicit1_0).map_or_else(|_| found.value.to_string(), |v| v.to_string()))
-}
-
-fn settings(origin: &Arc<Origin>) -> Result<Vec<Setting>, SumoFileError> {
-    let mut reader = Reader::from_str(&origin.text);
+fn settings(path: &Path, origin: &Arc<Origin>) -> Result<Vec<Setting>, SumoFileError> {
+    let mut xml = Xml::of(path, &origin.text);
     let mut settings = Vec::new();
     let mut open: Option<(String, usize, String)> = None;
-    loop {
-        let start = reader.buffer_position() as usize;
-        let event = reader.read_event().map_err(|e| {
-            let at = reader.error_position() as usize;
-            SumoFileError::Syntax {
-                place: Place { origin: origin.clone(), span: at..at },
-                message: format!("not XML as SUMO writes it: {e}"),
-            }
-        })?;
-        let end = reader.buffer_position() as usize;
-        let mut add = |name: &str, value: String, span: Range<usize>| {
-            let (name, written) = (canonical(name).to_owned(), name.to_owned());
-            settings.push(Setting { name, written, value, span });
-        };
+    let mut add = |name: &str, value: String, span: Range<usize>| {
+        let (name, written) = (canonical(name).to_owned(), name.to_owned());
+        settings.push(Setting { name, written, value, span });
+    };
+    let syntax = |error| match error {
+        SumoFileError::Content { line, what, .. } => {
+            let at = origin.text.split_inclusive('\n').take(line - 1).map(str::len).sum();
+            SumoFileError::Syntax { place: Place { origin: origin.clone(), span: at..at }, message: what }
+        }
+        other => other,
+    };
+    while let Some(Item { event, span, .. }) = xml.next().map_err(syntax)? {
         match event {
             Event::Start(tag) | Event::Empty(tag) => {
-                let name = tag.name().as_ref().to_owned();
+                let name = tag.name().into_inner();
                 match attribute(&tag, "value").or_else(|| attribute(&tag, "v")) {
-                    Some(value) => add(&name, value, start..end),
-                    None => open = Some((name, start, String::new())),
+                    Some(value) => add(name, value, span),
+                    None => open = Some((name.to_owned(), span.start, String::new())),
                 }
             }
             Event::Text(text) => {
@@ -115,13 +99,13 @@ fn settings(origin: &Arc<Origin>) -> Result<Vec<Setting>, SumoFileError> {
             }
             Event::End(_) => {
                 if let Some((name, from, value)) = open.take().filter(|o| !o.2.trim().is_empty()) {
-                    add(&name, value.trim().to_owned(), from..end);
+                    add(&name, value.trim().to_owned(), from..span.end);
                 }
             }
-            Event::Eof => return Ok(settings),
             _ => {}
         }
     }
+    if xml.is_whole() { Ok(settings) } else { Err(syntax(xml.breaks_off())) }
 }
 
 #[cfg(test)]
@@ -156,8 +140,21 @@ mod tests {
     }
 
     #[test]
+    fn other_encodings_are_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.sumocfg");
+        let text = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n<configuration>\n<n value=\"m\u{fc}hle.net.xml\"/></configuration>";
+        std::fs::write(&path, text.chars().map(|c| c as u8).collect::<Vec<u8>>()).unwrap();
+        let configuration = Configuration::read(&path).unwrap();
+        assert_eq!(configuration.files("net-file"), [dir.path().join("m\u{fc}hle.net.xml")]);
+        assert_eq!(configuration.place(&configuration.settings[0]).line(), 3);
+    }
+
+    #[test]
     fn broken_xml_names_the_line() {
         let error = read("<configuration>\n<input>\n<net-file value=\"x\"/>\n</configuration>").unwrap_err();
         assert!(error.to_string().contains("a.sumocfg:4: not XML"), "{error}");
+        let error = read("<configuration>\n<input>\n<net-file value=\"x\"/>").unwrap_err();
+        assert!(error.to_string().contains("a.sumocfg:3: not XML as SUMO writes it: the file breaks off"), "{error}");
     }
 }

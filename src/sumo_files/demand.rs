@@ -1,22 +1,24 @@
 //! Whether the files that SUMO is going to load are there and hold any traffic, checked before SUMO is started because
 //! the answer then names the line that names the file.
 
-use std::path::{Path, PathBuf};
-
-use quick_xml::{Reader, events::Event};
+use std::{
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+};
 
 use super::{
     configuration::Configuration,
     error::SumoFileError,
+    include::Files,
     options::{INPUTS, given, is_true, list},
     path::absolute,
-    redirect::{self, is_compressed},
+    redirect::writes_file,
     setup::{Source, SumoSetup},
 };
 use crate::place::Place;
 
-/// Elements that put somebody on the road, or somebody else's file in place.
-const TRAFFIC: &[&str] = &["vehicle", "trip", "flow", "person", "personFlow", "container", "containerFlow", "include"];
+/// Elements that put somebody on the road.
+const TRAFFIC: &[&str] = &["vehicle", "trip", "flow", "person", "personFlow", "container", "containerFlow"];
 
 /// What was found in the files that SUMO is going to load.
 #[derive(Debug, Default)]
@@ -40,8 +42,8 @@ impl Demand {
             Source::Running | Source::Offline => {}
             Source::Config(path) => found.configuration(setup, path, may_be_empty)?,
             Source::Network { net, routes: files, additional } => {
-                found.add_included(additional)?;
-                if !may_be_empty && !any_traffic(files.iter().chain(additional)) {
+                let traffic = found.add_read(files.iter().chain(additional))?;
+                if !may_be_empty && !traffic {
                     return Err(match routes {
                         Some(place) => empty(place, "sumo.routes", files),
                         None => SumoFileError::NoRoutes { net: net.clone() },
@@ -69,11 +71,11 @@ impl Demand {
             return Err(SumoFileError::NoNetwork(path.to_owned()));
         }
         let additional = configuration.files("additional-files");
-        self.add_included(&additional)?;
-        self.notes.extend(overridden(setup, &configuration));
         let routes = configuration.files("route-files");
+        let traffic = self.add_read(routes.iter().chain(&additional))?;
+        self.notes.extend(overridden(setup, &configuration));
         // A saved state brings its vehicles along.
-        if may_be_empty || configuration.get("load-state").is_some() || any_traffic(routes.iter().chain(&additional)) {
+        if may_be_empty || traffic || configuration.get("load-state").is_some() {
             return Ok(());
         }
         Err(match configuration.get("route-files") {
@@ -82,16 +84,25 @@ impl Demand {
         })
     }
 
-    fn add_included(&mut self, additional: &[PathBuf]) -> Result<(), SumoFileError> {
-        for file in additional {
-            if is_compressed(file) {
-                let note = "compressed, so files that it has SUMO write stay where it says";
-                self.notes.push(format!("{}: {note}", file.display()));
-                continue;
-            }
-            self.inputs.extend(redirect::included(file)?);
+    /// Adds the files that demand and additional files read: those that they include, and definitions of single elements.
+    /// Returns whether there is traffic in any of them. A file that breaks off counts as traffic: SUMO says what is wrong
+    /// with it.
+    fn add_read<'a>(&mut self, files: impl Iterator<Item = &'a PathBuf>) -> Result<bool, SumoFileError> {
+        let mut reader = Files::default();
+        let mut traffic = false;
+        for file in files {
+            let whole = reader.each(file, &mut |file, element| {
+                traffic |= TRAFFIC.contains(&element.name());
+                let folder = file.parent().unwrap_or(Path::new(""));
+                for name in ["href", "file"] {
+                    let named = element.attribute(name).filter(|_| !writes_file(element.name(), name));
+                    self.inputs.extend(named.map(|v| absolute(folder, Path::new(&v))).filter(|p| p.is_file()));
+                }
+                ControlFlow::Continue(())
+            })?;
+            traffic |= !whole;
         }
-        Ok(())
+        Ok(traffic)
     }
 }
 
@@ -117,26 +128,4 @@ fn overridden(sumo: &SumoSetup, configuration: &Configuration) -> Option<String>
 fn empty(place: Place, key: &str, files: &[PathBuf]) -> SumoFileError {
     let files = files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", ");
     SumoFileError::EmptyDemand { place, key: key.to_owned(), files }
-}
-
-fn any_traffic<'a>(files: impl IntoIterator<Item = &'a PathBuf>) -> bool {
-    files.into_iter().any(|f| has_traffic(f))
-}
-
-/// Whether a file has traffic in it. It is read up to the first vehicle only. What cannot be read here (compressed,
-/// broken) counts as traffic: SUMO says what is wrong with it.
-fn has_traffic(file: &Path) -> bool {
-    if is_compressed(file) {
-        return true;
-    }
-    let Ok(mut reader) = Reader::from_file(file) else { return true };
-    let mut buffer = Vec::new();
-    loop {
-        match reader.read_event_into(&mut buffer) {
-            Ok(Event::Start(tag) | Event::Empty(tag)) if TRAFFIC.contains(&tag.name().as_ref()) => return true,
-            Ok(Event::Eof) => return false,
-            Ok(_) => buffer.clear(),
-            Err(_) => return true,
-        }
-    }
 }

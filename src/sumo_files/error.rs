@@ -65,15 +65,25 @@ pub enum SumoFileError {
         /// The files.
         files: String,
     },
-    /// A file that SUMO wrote is not what it should be.
-    #[error("{}, byte {offset}: {what}", .path.display())]
+    /// A file is not what SUMO reads or writes.
+    #[error("{}:{line}: {what}", .path.display())]
     Content {
         /// The file.
         path: PathBuf,
-        /// Where in it.
-        offset: u64,
+        /// The line, from 1.
+        line: usize,
         /// What is wrong.
         what: String,
+    },
+    /// Files that include each other without end.
+    #[error("{}: {what}: {chain}", .path.display())]
+    Include {
+        /// The last file.
+        path: PathBuf,
+        /// What is wrong.
+        what: String,
+        /// All files from the first one on.
+        chain: String,
     },
 }
 

@@ -1,20 +1,25 @@
 //! Everything that SUMO would write next to a foreign configuration goes below the run's own folder instead: options by
-//! other values on the command line, detectors and the like by rewritten copies of their additional files.
+//! other values on the command line, detectors and devices of vehicles by rewritten copies of the files that name them.
 
 use std::{
     collections::BTreeMap,
+    fs::File,
+    io::{self, BufWriter, Write},
+    ops::ControlFlow,
     path::{Path, PathBuf},
 };
 
 use quick_xml::{
-    Reader, Writer, XmlVersion,
+    Writer,
     events::{BytesStart, Event},
 };
 
 use super::{
-    configuration::{attribute, read_text},
     error::SumoFileError,
+    include::Files,
+    options::writes,
     path::absolute,
+    xml::{Item, Xml, attribute},
 };
 
 /// Attributes of additional files that name a file to write: element, attribute.
@@ -43,13 +48,14 @@ pub(super) struct Redirect {
     folder: PathBuf,
     prefix: String,
     taken: BTreeMap<String, PathBuf>,
+    copies: BTreeMap<PathBuf, PathBuf>,
 }
 
 impl Redirect {
     pub fn new(folder: &Path) -> Self {
         // What SUMO prints is kept under this name.
         let taken = BTreeMap::from([("console.log".to_owned(), PathBuf::new())]);
-        Self { folder: folder.to_owned(), prefix: String::new(), taken }
+        Self { folder: folder.to_owned(), prefix: String::new(), taken, copies: BTreeMap::new() }
     }
 
     /// Puts a configuration's output prefix before all names to come: its last component, without the time.
@@ -85,65 +91,59 @@ impl Redirect {
         self.free(&format!("{}{name}", self.prefix), original).to_string_lossy().into_owned()
     }
 
-    /// The file to load in place of an additional file: itself, or its rewritten copy if it names files to write.
-    pub fn additional(&mut self, file: &Path) -> Result<PathBuf, SumoFileError> {
-        if is_compressed(file) || !names_outputs(file)? {
+    /// The file to load in place of one of demand or additional elements: itself, or its rewritten copy if it, or a file
+    /// that it includes, names files to write.
+    pub fn loaded(&mut self, file: &Path) -> Result<PathBuf, SumoFileError> {
+        if let Some(copy) = self.copies.get(file) {
+            return Ok(copy.clone());
+        }
+        if !names_outputs(file)? {
             return Ok(file.to_owned());
         }
-        let text = self.rewritten(file, &read_text(file)?)?;
-        let copy = self.folder.join(format!("additional-{}", self.taken.len()));
-        let copy = PathBuf::from(self.target(&copy, &file.file_name().unwrap_or_default().to_string_lossy()));
-        std::fs::create_dir_all(&self.folder)
-            .and_then(|()| std::fs::write(&copy, text))
-            .map_err(|reason| SumoFileError::Unwritable { path: copy.clone(), reason })?;
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let copy = self.own(name.trim_end_matches(".gz"));
+        self.copies.insert(file.to_owned(), copy.clone());
+        std::fs::create_dir_all(&self.folder).map_err(unwritable(&self.folder))?;
+        let text = File::create(&copy).map_err(unwritable(&copy))?;
+        let mut writer = Writer::new(BufWriter::new(text));
+        self.rewrite(file, &copy, &mut writer)?;
+        writer.into_inner().flush().map_err(unwritable(&copy))?;
         Ok(copy)
     }
 
-    fn rewritten(&mut self, file: &Path, text: &str) -> Result<Vec<u8>, SumoFileError> {
-        let folder = file.parent().unwrap_or(Path::new("")).to_owned();
-        let mut reader = Reader::from_str(text);
-        let mut writer = Writer::new(Vec::new());
-        let mut inside_light = false;
-        let mut write = |event: Event<'_>| writer.write_event(event).map_err(|reason| unwritable(file, reason));
-        loop {
-            let event = reader.read_event().map_err(|e| broken(file, &e))?;
-            match event {
-                Event::Start(tag) => {
-                    inside_light |= tag.name().as_ref() == "tlLogic";
-                    write(Event::Start(self.tag(&tag, &folder, inside_light)?))?;
-                }
-                Event::Empty(tag) => write(Event::Empty(self.tag(&tag, &folder, inside_light)?))?,
-                Event::End(tag) => {
-                    inside_light &= tag.name().as_ref() != "tlLogic";
-                    write(Event::End(tag))?;
-                }
+    /// The files to load in place of these.
+    pub fn all_loaded(&mut self, files: &[PathBuf]) -> Result<Vec<PathBuf>, SumoFileError> {
+        files.iter().map(|file| self.loaded(file)).collect()
+    }
+
+    fn rewrite(&mut self, file: &Path, copy: &Path, writer: &mut Writer<impl Write>) -> Result<(), SumoFileError> {
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let mut xml = Xml::open(file)?;
+        while let Some(Item { event, parent, .. }) = xml.next()? {
+            let event = match event {
+                Event::Start(tag) => Event::Start(self.tag(&tag, folder, parent)?),
+                Event::Empty(tag) => Event::Empty(self.tag(&tag, folder, parent)?),
                 // The copy is UTF-8, whatever the original says.
-                Event::Decl(_) => {}
-                Event::Eof => return Ok(writer.into_inner()),
-                other => write(other)?,
-            }
+                Event::Decl(_) => continue,
+                other => other,
+            };
+            writer.write_event(event).map_err(unwritable(copy))?;
         }
+        if xml.is_whole() { Ok(()) } else { Err(xml.breaks_off()) }
     }
 
     /// The element with its files where they belong: written ones below our folder, read ones absolute.
-    fn tag(
-        &mut self,
-        tag: &BytesStart<'_>,
-        folder: &Path,
-        inside_light: bool,
-    ) -> Result<BytesStart<'static>, SumoFileError> {
-        let element = tag.name().as_ref().to_owned();
-        let light_output = inside_light && element == "param" && attribute(tag, "key").as_deref() == Some("file");
-        let mut copy = BytesStart::new(element.clone());
+    fn tag(&mut self, tag: &BytesStart<'_>, folder: &Path, parent: &str) -> Result<BytesStart<'static>, SumoFileError> {
+        let element = tag.name().into_inner();
+        let output = is_output_param(element, parent, || attribute(tag, "key"));
+        let mut copy = BytesStart::new(element.to_owned());
         for found in tag.attributes().with_checks(false).flatten() {
             let name = found.key.as_ref();
-            let value = found
-                .normalized_value(XmlVersion::Implicit1_0)
-                .map_or_else(|_| found.value.to_string(), |v| v.to_string());
-            let value = if WRITTEN.contains(&(element.as_str(), name)) || (light_output && name == "value") {
+            let value = attribute(tag, name).unwrap_or_default();
+            let value = if writes_file(element, name) || (output && name == "value") {
                 self.target(folder, &value)
             } else if element == "include" && name == "href" {
-                self.additional(&absolute(folder, Path::new(&value)))?.to_string_lossy().into_owned()
+                self.loaded(&absolute(folder, Path::new(&value)))?.to_string_lossy().into_owned()
             } else if READ.contains(&name) && absolute(folder, Path::new(&value)).is_file() {
                 absolute(folder, Path::new(&value)).to_string_lossy().into_owned()
             } else {
@@ -155,9 +155,15 @@ impl Redirect {
     }
 }
 
-/// SUMO reads compressed files, we do not look into them.
-pub(super) fn is_compressed(file: &Path) -> bool {
-    file.extension().is_some_and(|e| e == "gz")
+/// Whether an attribute of an element names a file to write.
+pub(super) fn writes_file(element: &str, attribute: &str) -> bool {
+    WRITTEN.contains(&(element, attribute))
+}
+
+/// Whether the value of a parameter names a file to write: that of a traffic light's program, or of a device of a vehicle.
+fn is_output_param(element: &str, parent: &str, key: impl FnOnce() -> Option<String>) -> bool {
+    element == "param"
+        && key().is_some_and(|k| k.starts_with("device.") && writes(&k) || k == "file" && parent == "tlLogic")
 }
 
 /// Standard streams, the void and network sockets (`host:port`).
@@ -168,83 +174,20 @@ pub(super) fn is_no_file(value: &str) -> bool {
         || socket
 }
 
-fn broken(file: &Path, error: &quick_xml::Error) -> SumoFileError {
-    let reason = std::io::Error::new(std::io::ErrorKind::InvalidData, error.to_string());
-    SumoFileError::Unreadable { path: file.to_owned(), reason }
-}
-
-fn unwritable(file: &Path, reason: std::io::Error) -> SumoFileError {
-    SumoFileError::Unwritable { path: file.to_owned(), reason }
-}
-
-/// Calls `see` for every element of an XML file, with whether it stands inside a traffic light.
-fn elements(
-    file: &Path,
-    mut see: impl FnMut(&BytesStart<'_>, bool) -> Result<(), SumoFileError>,
-) -> Result<(), SumoFileError> {
-    let text = read_text(file)?;
-    let mut reader = Reader::from_str(&text);
-    let mut inside_light = false;
-    loop {
-        match reader.read_event().map_err(|e| broken(file, &e))? {
-            Event::Start(tag) => {
-                inside_light |= tag.name().as_ref() == "tlLogic";
-                see(&tag, inside_light)?;
-            }
-            Event::Empty(tag) => see(&tag, inside_light)?,
-            Event::End(tag) => inside_light &= tag.name().as_ref() != "tlLogic",
-            Event::Eof => return Ok(()),
-            _ => {}
-        }
-    }
+fn unwritable(file: &Path) -> impl Fn(io::Error) -> SumoFileError {
+    move |reason| SumoFileError::Unwritable { path: file.to_owned(), reason }
 }
 
 /// Whether a file, or one that it includes, names files to write.
 fn names_outputs(file: &Path) -> Result<bool, SumoFileError> {
-    let folder = file.parent().unwrap_or(Path::new("")).to_owned();
     let mut found = false;
-    elements(file, |tag, inside_light| {
-        let element = tag.name().as_ref().to_owned();
-        found |= WRITTEN.iter().any(|(e, a)| *e == element && attribute(tag, a).is_some());
-        found |= inside_light && element == "param" && attribute(tag, "key").as_deref() == Some("file");
-        if let Some(href) = attribute(tag, "href").filter(|_| element == "include" && !found) {
-            found = names_outputs(&absolute(&folder, Path::new(&href)))?;
-        }
-        Ok(())
+    Files::default().each(file, &mut |_, element| {
+        let name = element.name();
+        found |= WRITTEN.iter().any(|(e, a)| *e == name && element.attribute(a).is_some())
+            || is_output_param(name, element.parent, || element.attribute("key"));
+        if found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     Ok(found)
-}
-
-/// The files that an additional file reads: included ones and theirs, and definitions of single elements.
-pub(super) fn included(file: &Path) -> Result<Vec<PathBuf>, SumoFileError> {
-    included_by(file, &mut Vec::new())
-}
-
-fn included_by(file: &Path, above: &mut Vec<PathBuf>) -> Result<Vec<PathBuf>, SumoFileError> {
-    let mut files = Vec::new();
-    if is_compressed(file) {
-        return Ok(files);
-    }
-    if above.iter().any(|f| f == file) {
-        let reason = std::io::Error::new(std::io::ErrorKind::InvalidData, "it includes itself");
-        return Err(SumoFileError::Unreadable { path: file.to_owned(), reason });
-    }
-    above.push(file.to_owned());
-    let folder = file.parent().unwrap_or(Path::new("")).to_owned();
-    elements(file, |tag, _| {
-        let element = tag.name().as_ref().to_owned();
-        for name in ["href", "file"] {
-            let named = attribute(tag, name).filter(|_| !WRITTEN.contains(&(element.as_str(), name)));
-            let Some(path) = named.map(|v| absolute(&folder, Path::new(&v))).filter(|p| p.is_file()) else { continue };
-            if element == "include" {
-                files.extend(included_by(&path, above)?);
-            }
-            files.push(path);
-        }
-        Ok(())
-    })?;
-    above.pop();
-    Ok(files)
 }
 
 #[cfg(test)]
@@ -267,5 +210,33 @@ mod tests {
         assert_eq!(redirect.own("statistics.xml"), Path::new("/r/3_statistics.xml"));
         redirect.take_prefix("../../deep/x_TIME");
         assert_eq!(redirect.target(Path::new("/cfg"), "c.xml"), "/r/x_c.xml");
+    }
+
+    #[test]
+    fn law_what_devices_and_detectors_of_any_file_write_goes_below_the_results() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let inner = "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><routes><vType id=\"gr\u{fc}n\">\
+             <param key=\"device.ssm.file\" value=\"ssm.xml\"/></vType></routes>";
+        std::fs::write(path("inner.xml"), inner.chars().map(|c| c as u8).collect::<Vec<u8>>()).unwrap();
+        let outer = "<routes><include href=\"inner.xml\"/><include href=\"inner.xml\"/><vehicle id=\"a\">\
+             <param key=\"file\" value=\"b.xml\"/></vehicle><edgeData id=\"e\" file=\"edges.xml\"/></routes>";
+        let mut gz = flate2::write::GzEncoder::new(File::create(path("outer.rou.xml.gz")).unwrap(), Default::default());
+        gz.write_all(outer.as_bytes()).unwrap();
+        gz.finish().unwrap();
+
+        let mut redirect = Redirect::new(&path("out"));
+        let copy = redirect.loaded(&path("outer.rou.xml.gz")).unwrap();
+        assert_eq!(copy, path("out/outer.rou.xml"));
+        let out = path("out").display().to_string();
+        let expected =
+            outer.replace("inner.xml", &format!("{out}/inner.xml")).replace("edges.xml", &format!("{out}/edges.xml"));
+        assert_eq!(
+            std::fs::read_to_string(copy).unwrap(),
+            expected,
+            "both name one copy; the vehicle's file is no output"
+        );
+        let copy = std::fs::read_to_string(path("out/inner.xml")).unwrap();
+        assert!(copy.contains("gr\u{fc}n") && copy.contains(&format!("value=\"{out}/ssm.xml\"")), "{copy}");
     }
 }

@@ -2,9 +2,9 @@
 //! (<https://sumo.dlr.de/docs/Simulation/Output/TripInfo.html>), SUMO 1.15 to 1.28.
 
 use super::error::SumoFileError;
-use super::statistics::{Elements, attribute_number};
-use quick_xml::events::BytesStart;
+use super::xml::{Element, Xml};
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// One trip as SUMO tells it.
@@ -40,14 +40,15 @@ impl Trips {
     /// [`SumoFileError::Unreadable`] if it cannot be read, [`SumoFileError::Content`] with the place if it is not what SUMO writes.
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let mut trips = Self::default();
-        let mut elements = Elements::open(path)?;
-        trips.whole = elements.each(|element| {
-            if element.name().as_ref() == "tripinfo" {
+        let mut xml = Xml::open(path)?;
+        xml.each(|element| {
+            if element.name() == "tripinfo" {
                 let (id, trip) = trip(element)?;
                 trips.by_id.insert(id, trip);
             }
-            Ok(())
+            Ok(ControlFlow::Continue(()))
         })?;
+        trips.whole = xml.is_whole();
         Ok(trips)
     }
 
@@ -60,22 +61,17 @@ impl Trips {
 }
 
 /// SUMO marks an unfinished trip by arrival −1 and one that was taken out by `vaporized`.
-fn trip(element: &BytesStart<'_>) -> Result<(String, TripInfo), String> {
-    let text = |name: &str| {
-        let attribute = element.try_get_attribute(name).map_err(|e| e.to_string())?;
-        let value = attribute.map(|a| a.normalized_value(quick_xml::XmlVersion::Implicit1_0).map(|v| v.into_owned()));
-        value.transpose().map_err(|e| e.to_string())
-    };
-    let number = |name| attribute_number(element, name)?.ok_or_else(|| format!("tripinfo without {name}"));
-    let vaporized = text("vaporized")?.is_some_and(|v| !v.is_empty());
+fn trip(element: &Element<'_>) -> Result<(String, TripInfo), String> {
+    let number = |name| element.number(name)?.ok_or_else(|| format!("tripinfo without {name}"));
+    let vaporized = element.attribute("vaporized").is_some_and(|v| !v.is_empty());
     let arrival = number("arrival")?;
     let trip = TripInfo {
-        vehicle_type: text("vType")?.unwrap_or_default(),
+        vehicle_type: element.attribute("vType").unwrap_or_default(),
         depart_s: number("depart")?,
         arrival_s: (arrival >= 0.0 && !vaporized).then_some(arrival),
         duration_s: number("duration")?,
         time_loss_s: number("timeLoss")?,
         route_length_m: number("routeLength")?,
     };
-    Ok((text("id")?.ok_or("tripinfo without id")?, trip))
+    Ok((element.attribute("id").ok_or("tripinfo without id")?, trip))
 }

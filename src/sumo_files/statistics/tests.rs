@@ -54,7 +54,7 @@ fn law_a_file_cut_anywhere_gives_the_trips_before_the_cut() {
 fn what_sumo_does_not_write_is_an_error_with_its_place() {
     let (_folder, path) = temporary("<tripinfos>\n<tripinfo id=\"a\" depart=\"soon\" arrival=\"1\"/></tripinfos>");
     let error = Trips::read(&path).unwrap_err().to_string();
-    assert!(error.contains("depart=\"soon\" is not a number") && error.contains("byte "), "{error}");
+    assert!(error.contains("depart=\"soon\" is not a number") && error.contains("file.xml:2: "), "{error}");
     let (_folder, path) = temporary("<tripinfos><tripinfo id=\"a\"/></tripinfos>");
     assert!(Trips::read(&path).unwrap_err().to_string().contains("tripinfo without arrival"));
     let (_folder, path) = temporary("<statistics><vehicles loaded=\"1\"/></statistics>");
