@@ -1,6 +1,6 @@
 //! Is everything there that a run needs? Finds SUMO, starts it, makes one real step and checks the coupling.
 
-use crate::cosim::{CosimError, Fault, WorldSetup, self_check};
+use crate::cosim::{CosimError, TraciLink, WorldSetup, self_check};
 use crate::run::{self, RunError};
 use crate::scenario::{Catalog, Request, Scenario};
 use crate::sumo_files::sumo_arguments;
@@ -48,8 +48,8 @@ impl fmt::Display for Report {
 }
 
 /// Looks at the SUMO `given`, or at the one that a run would use, and at the coupling to it. What goes wrong is in the
-/// report. `fault` makes the coupling wrong on purpose.
-pub fn examine(given: Option<&Path>, fault: Fault) -> Report {
+/// report.
+pub fn examine(given: Option<&Path>) -> Report {
     let mut report = Report::default();
     let binary = match find_sumo(given) {
         Ok(binary) => binary,
@@ -61,7 +61,7 @@ pub fn examine(given: Option<&Path>, fault: Fault) -> Report {
     report.note("SUMO found", true, format!("{} (from {})", binary.path.display(), binary.origin));
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let done = match runtime {
-        Ok(runtime) => runtime.block_on(start(&binary, fault, &mut report)),
+        Ok(runtime) => runtime.block_on(start(&binary, &mut report)),
         Err(error) => Err(RunError::System(error.to_string())),
     };
     if let Err(error) = done {
@@ -77,7 +77,7 @@ fn is_binarys_fault(error: &RunError) -> bool {
 }
 
 /// Starts SUMO with the scenario of the self-check in a folder of its own, which is gone afterwards.
-async fn start(binary: &SumoBinary, fault: Fault, report: &mut Report) -> Result<(), RunError> {
+async fn start(binary: &SumoBinary, report: &mut Report) -> Result<(), RunError> {
     let system = |error: std::io::Error| RunError::System(error.to_string());
     let folder = tempfile::tempdir().map_err(system)?;
     let mut file = folder.path().to_owned();
@@ -95,8 +95,7 @@ async fn start(binary: &SumoBinary, fault: Fault, report: &mut Report) -> Result
     let loaded_s = started.elapsed().as_secs_f64();
     let version = client.version().clone();
     report.note("SUMO runs", true, format!("{}, TraCI API {}, ready after {loaded_s:.2} s", version.text, version.api));
-    let setup = WorldSetup { fault, ..run::world(&scenario)? };
-    match drive(client, setup, report).await {
+    match drive(client, run::world(&scenario)?, report).await {
         Ok(()) => process.shut_down(PATIENCE).await.map(|_| ()).map_err(RunError::from),
         Err(CosimError::Traci(error)) => Err(process.explain(error).await.into()),
         Err(error) => Err(error.into()),
@@ -111,6 +110,6 @@ async fn drive(mut client: Client, setup: WorldSetup, report: &mut Report) -> Re
     let took_ms = started.elapsed().as_secs_f64() * 1e3;
     let after_s = client.get(traci::simulation::TIME, "").await?;
     report.note("one step", after_s > before_s, format!("from {before_s} s to {after_s} s in {took_ms:.2} ms"));
-    report.checks.extend(self_check::examine(client, setup).await?);
+    report.checks.extend(self_check::examine(TraciLink::new(client, false), setup).await?);
     Ok(())
 }

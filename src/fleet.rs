@@ -33,6 +33,11 @@ impl Slot {
         Self(u32::try_from(block * LANES + lane).expect("fewer than 2^32 slots"))
     }
 
+    /// Index among all slots of the fleet.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+
     /// Index of the block.
     pub fn block(self) -> usize {
         self.0 as usize / LANES

@@ -14,7 +14,6 @@ use cli::{CheckArgs, Cli, Command, CompareArgs, PaperArgs, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
     compare::{COMPARISON, RunFailed, parse_seeds, run_all, terminal_table},
-    cosim::Fault,
     doctor,
     output::{terminal_text, write_table},
     paper,
@@ -138,7 +137,7 @@ fn list() -> miette::Result<ExitCode> {
 }
 
 fn doctor() -> miette::Result<ExitCode> {
-    let report = doctor::examine(None, Fault::None);
+    let report = doctor::examine(None);
     print(&report.to_string())?;
     Ok(if report.is_well() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -8,8 +8,7 @@ mod progress;
 pub mod setup;
 mod writers;
 
-use crate::cosim::state::State;
-use crate::cosim::{CosimError, World};
+use crate::cosim::{CosimError, Records, World};
 use crate::output::{Input, Manifest, OutputError, ResultDir, Summary, VehicleRow};
 use crate::reference::ReferenceError;
 use crate::registry::UnknownName;
@@ -259,8 +258,8 @@ impl<'a> Run<'a> {
         self.manifest.sumo_version = Some(client.version().text.clone());
         self.manifest.sumo_api = Some(client.version().api);
         let world = World::join(client, setup::world(self.scenario)?).await?;
-        self.begin_s = world.state.time_s;
-        let writers = Writers::open(self.scenario, &self.dir, &world.state)?;
+        self.begin_s = world.time_s();
+        let writers = Writers::open(self.scenario, &self.dir, &world)?;
         Ok((world, writers))
     }
 
@@ -279,30 +278,36 @@ impl<'a> Run<'a> {
         };
         match closed {
             Ok(()) => {
-                let (state, left) = world.close().await;
+                let time_s = world.time_s();
+                let (records, left) = world.close().await;
                 let ended = match process {
                     Some(process) => process.shut_down(LAST_OUTPUTS).await.map(drop),
                     None => Ok(()),
                 };
                 match left.map_err(RunError::from).and(ended.map_err(RunError::from)) {
-                    Ok(()) => self.write(state, writers, None),
-                    Err(source) => self.break_off(state, writers, source),
+                    Ok(()) => self.write(records, time_s, writers, None),
+                    Err(source) => self.break_off(records, time_s, writers, source),
                 }
             }
             Err(error) => {
                 let source = explain(error, &mut process).await;
-                world.state.end_all(crate::output::Reason::Incomplete);
-                self.break_off(world.into_state(), writers, source)
+                let time_s = world.time_s();
+                self.break_off(world.into_records(), time_s, writers, source)
             }
         }
     }
 
     /// Writes what was computed until `source` happened.
-    fn break_off(&mut self, state: State, writers: Writers, source: RunError) -> Result<RunResult, RunError> {
-        let time_s = state.time_s;
+    fn break_off(
+        &mut self,
+        records: Records,
+        time_s: f64,
+        writers: Writers,
+        source: RunError,
+    ) -> Result<RunResult, RunError> {
         let dir = self.dir.path().to_owned();
         // A disk that is full for one file may be full for others; the first error is the one to tell.
-        let _ = self.write(state, writers, Some(source.to_string()));
+        let _ = self.write(records, time_s, writers, Some(source.to_string()));
         if let RunError::Interrupted(_) = source {
             return Err(source);
         }
@@ -328,18 +333,18 @@ impl<'a> Run<'a> {
         end_s: Option<f64>,
         progress: &Progress,
     ) -> Result<(), RunError> {
-        let half_step_s = 0.5 * world.state.step_s;
+        let half_step_s = 0.5 * world.step_s();
         let signal = self.signal.clone();
         loop {
-            let time_s = world.state.time_s;
+            let time_s = world.time_s();
             if self.signal.load(Ordering::Relaxed) != 0 || end_s.is_some_and(|end_s| time_s > end_s - half_step_s) {
                 return Ok(());
             }
             // SUMO counts vehicles that are on the road or still to come; with none left there is nothing to wait for.
-            if world.state.expected == 0 && (end_s.is_none() || time_s > self.begin_s) {
+            if world.expected() == 0 && (end_s.is_none() || time_s > self.begin_s) {
                 return Ok(());
             }
-            if end_s.is_none() && world.state.arrived == 0 && time_s - self.begin_s >= ENDLESS_S {
+            if end_s.is_none() && world.records().counters.arrived == 0 && time_s - self.begin_s >= ENDLESS_S {
                 self.notes.push(format!(
                     "the configuration has no end and no vehicle has arrived in {ENDLESS_S} s: stopped here; --end sets another end"
                 ));
@@ -350,8 +355,8 @@ impl<'a> Run<'a> {
                 () = overdue(&signal) => return Err(RunError::Interrupted(self.signal().unwrap_or(Signal::Interrupt))),
             }
             self.profiler.stepped(world);
-            writers.step(&mut world.state)?;
-            progress.show(&world.state);
+            writers.step(world)?;
+            progress.show(world);
             self.profiler.written();
         }
     }
@@ -365,20 +370,32 @@ impl<'a> Run<'a> {
     }
 
     /// Writes the result: tables, summary, manifest. If that fails, the manifest says so as long as it can be written.
-    fn write(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
-        self.write_files(state, writers, broken.clone()).inspect_err(|error| {
+    fn write(
+        &mut self,
+        records: Records,
+        time_s: f64,
+        writers: Writers,
+        broken: Option<String>,
+    ) -> Result<RunResult, RunError> {
+        self.write_files(records, time_s, writers, broken.clone()).inspect_err(|error| {
             let _ = self.dir.finish(&mut self.manifest, Some(broken.unwrap_or_else(|| error.to_string())));
         })
     }
 
-    fn write_files(&mut self, state: State, writers: Writers, broken: Option<String>) -> Result<RunResult, RunError> {
+    fn write_files(
+        &mut self,
+        records: Records,
+        time_s: f64,
+        writers: Writers,
+        broken: Option<String>,
+    ) -> Result<RunResult, RunError> {
         let interrupted = self.signal();
         let reason = broken.or(interrupted.map(|s| format!("ended by a signal ({s:?})")));
-        self.notes.extend(outcome::notes(&state));
+        self.notes.extend(outcome::notes(&records.counters));
         self.manifest.notes.extend(self.notes.iter().cloned());
-        let simulated_s = state.time_s - self.begin_s;
+        let simulated_s = time_s - self.begin_s;
         let own_sumo = self.scenario.sumo.connect.is_none().then_some(&self.command);
-        let mut outcome = outcome::Outcome::new(self.scenario, state, own_sumo, reason.is_some())?;
+        let mut outcome = outcome::Outcome::new(self.scenario, records, time_s, own_sumo, reason.is_some())?;
         let wall_s = self.started.elapsed().as_secs_f64();
         let summary = outcome.summary(simulated_s, wall_s);
         let tables = writers.finish(&self.dir, self.scenario, &mut outcome);

@@ -28,7 +28,7 @@
 //!
 //! # A fleet, one message per step
 //! A lone command costs a round trip, some 50 µs; in a [`Batch`] it costs a fraction of a microsecond. Gets behind the step
-//! go into a second batch that is sent behind it ([`Client::send`], [`Client::receive`]): SUMO would answer commands behind
+//! go into a second batch that is sent behind it ([`Client::queue`], [`Client::receive`]): SUMO would answer commands behind
 //! a step in the *same* message with the state before it.
 //! ```no_run
 //! # use std::collections::HashMap;
@@ -90,7 +90,7 @@ pub mod variables;
 pub mod wire;
 
 pub use batch::{Batch, BatchError, Handle, MAX_ID_BYTES, Prefix};
-pub use client::{Client, SumoVersion};
+pub use client::{Client, SumoVersion, Ticket};
 pub use error::Error;
 pub use process::{SumoBinary, SumoProcess, find_named, find_sumo};
 pub use reply::{Block, Index, Refusal, Reply};

@@ -62,13 +62,13 @@ fn count_both(config: &Path, controller: &str, step_s: f64, first: u32, then: u3
             world.step().await.unwrap();
         }
         let begun = region.change();
-        let egos = world.state.book.len();
+        let egos = world.egos().len();
         let region = Region::new(COUNTING);
         for _ in 0..then {
             world.step().await.unwrap();
         }
         let stats = region.change();
-        assert_eq!(world.state.book.len(), egos, "nobody departs or arrives in this test");
+        assert_eq!(world.egos().len(), egos, "nobody departs or arrives in this test");
         world.close().await.1.unwrap();
         process.shut_down(PATIENCE).await.unwrap();
         (egos, begun, stats)

@@ -387,8 +387,8 @@ async fn drive(version: &str) {
         let asked: Vec<_> =
             egos.iter().map(|(_, prefix, _)| gets.get_by_prefix(vehicle::DISTANCE, prefix).unwrap()).collect();
         let time = gets.get(simulation::TIME, "").unwrap();
-        client.send([&batch, &gets]).await.unwrap();
-        let reply = client.receive().await.unwrap();
+        let (stepped, got) = (client.queue(&batch).unwrap(), client.queue(&gets).unwrap());
+        let reply = client.receive(stepped).await.unwrap();
         assert_eq!(reply.refusals().count(), 0, "{:?}", reply.refusals().collect::<Vec<_>>());
         let (mut time_s, mut departed, mut arrived) = (0.0, Vec::new(), Vec::new());
         let mut speeds = Vec::new();
@@ -404,7 +404,7 @@ async fn drive(version: &str) {
                 _ => speeds.push((block.id.to_owned(), block.doubles([0x40, 0x43]).unwrap().unwrap())),
             }
         }
-        let values = client.receive().await.unwrap();
+        let values = client.receive(got).await.unwrap();
         assert_eq!(values.get(time).unwrap(), time_s, "the gets see the state after the step");
         for ((id, _, _), handle) in egos.iter().zip(asked) {
             assert_eq!(values.refusal(handle.index()).is_some(), arrived.contains(id), "{id}");

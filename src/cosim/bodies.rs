@@ -1,7 +1,7 @@
 //! Which body a SUMO vehicle gets: by vehicle class, then by what SUMO knows of the vType, then by the scenario's group,
 //! then by `<param key="mfc....">` of vType and vehicle. Two-wheelers, rail, ships and pedestrians stay SUMO's own.
 
-use super::CosimError;
+use super::error::CosimError;
 use crate::fleet::{ActuatorSetup, VehicleSetup};
 use crate::keys::{Key, Kind, Value, Values};
 use crate::plant::{BODIES, BODY_KEYS, Body};

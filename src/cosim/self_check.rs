@@ -1,10 +1,13 @@
 //! Is the coupling what it should be? Two egos (`classic`, `adaptive`) and a car of SUMO's own (`plain`) drive the same
 //! road side by side: from rest to 20 m/s, to a red light, and on when it is green. The contract is right if SUMO
 //! takes the bodies' speeds for the cars', if the egos gain speed like `plain` before and after the light, and if they
-//! stand exactly still in between. Each way to get it wrong ([`super::Fault`]) fails at least one check.
+//! stand exactly still in between. `tests/self_check.rs` shows that each way to get it wrong fails at least one check.
 
-use super::{CosimError, World, WorldSetup};
-use crate::traci::{Client, vehicle};
+use super::error::CosimError;
+use super::question::{Gets, NoAnswer, Object, Question};
+use super::sumo::Sumo;
+use super::world::{World, WorldSetup};
+use crate::traci::vehicle;
 
 /// The files of the check's scenario, by name; the last one is the scenario itself.
 pub const FILES: [(&str, &str); 3] = [
@@ -58,72 +61,77 @@ struct Moment {
     distance_m: f64,
 }
 
-/// Drives the check's scenario ([`FILES`]), which `client` has loaded and `setup` describes, and judges it.
+/// Drives the check's scenario ([`FILES`]), which `sumo` has loaded and `setup` describes, and judges it.
 ///
 /// # Errors
 /// If SUMO ends or answers nonsense.
-pub async fn examine(client: Client, setup: WorldSetup) -> Result<Vec<Check>, CosimError> {
-    let mut world = World::join(client, setup).await?;
+pub async fn examine(sumo: impl Sumo, setup: WorldSetup) -> Result<Vec<Check>, CosimError> {
+    let mut world = World::over(sumo, setup).await?;
+    let objects: Vec<Object> = EGOS.into_iter().chain([PLAIN]).map(Object::new).collect::<Result<_, _>>()?;
     let mut egos: [Vec<Moment>; EGOS.len()] = Default::default();
     let mut plain = Vec::new();
-    while world.state.time_s < END_S - 0.5 * world.state.step_s {
-        let believed = world.believed_mps().await?;
-        let before = EGOS.map(|id| world.speed_and_distance(id));
+    while world.time_s() < END_S - 0.5 * world.step_s() {
+        let believed_mps = sumo_speeds_mps(&mut world, &objects).await?;
+        let before = EGOS.map(|id| body(&world, id));
         world.step().await?;
-        let time_s = world.state.time_s;
+        let time_s = world.time_s();
         for (i, id) in EGOS.into_iter().enumerate() {
-            let (Some((before_mps, _)), Some((speed_mps, distance_m))) = (before[i], world.speed_and_distance(id))
+            let (Some(before), Some(after), Some(believed_mps)) = (&before[i], body(&world, id), believed_mps[i])
             else {
                 continue;
             };
-            let Some(believed_mps) = believed.iter().find(|(who, _)| who == id).map(|(_, v)| *v) else { continue };
-            let Some(sumo_mps) = world.sumo_mps(id) else { continue };
-            egos[i].push(Moment { time_s, before_mps, believed_mps, sumo_mps, speed_mps, distance_m });
+            let Body { speed_mps, distance_m, sumo_mps } = after;
+            egos[i].push(Moment { time_s, before_mps: before.speed_mps, believed_mps, sumo_mps, speed_mps, distance_m });
         }
         // Not there before its departure: then it has no speed.
-        if let Ok(speed_mps) = world.client.get(vehicle::SPEED, PLAIN).await {
+        if let [Some(speed_mps)] = sumo_speeds_mps(&mut world, &objects[EGOS.len()..]).await?[..] {
             plain.push((time_s, speed_mps));
         }
     }
     world.hand_back().await?;
-    let step_s = world.state.step_s;
-    let (state, left) = world.close().await;
+    let step_s = world.step_s();
+    let (records, left) = world.close().await;
     left?;
-    let gap = |id: &str| state.finished.iter().find(|f| &*f.id == id).and_then(|f| f.odometer_gap_m);
-    Ok(EGOS.iter().zip(&egos).flat_map(|(id, drive)| judge(id, drive, &plain, gap(id), step_s)).collect())
+    let gap_m = |id: &str| records.finished.iter().find(|f| &*f.id == id).and_then(|f| f.odometer_gap_m);
+    Ok(EGOS.iter().zip(&egos).flat_map(|(id, drive)| judge(id, drive, &plain, gap_m(id), step_s)).collect())
 }
 
-impl World {
-    /// What SUMO takes for the cars' speeds once it has been told the bodies' [m/s], by id. Newcomers' are told once more
-    /// by the step, which changes nothing.
-    async fn believed_mps(&mut self) -> Result<Vec<(String, f64)>, CosimError> {
-        self.batch.clear();
-        self.put_speeds()?;
-        let asked: Result<Vec<_>, CosimError> = self
-            .state
-            .book
-            .iter()
-            .map(|ego| Ok((ego.id.to_string(), self.batch.get_by_prefix(vehicle::SPEED, &ego.prefix)?)))
-            .collect();
-        let asked = asked?;
-        if self.batch.is_empty() {
-            return Ok(Vec::new());
-        }
-        let reply = self.client.exchange(&self.batch).await?;
-        Ok(asked.into_iter().filter_map(|(id, speed)| Some((id, reply.get(speed).ok()?))).collect())
-    }
+/// The question about a vehicle's speed [m/s].
+struct SpeedQuestion;
 
-    /// Speed and odometer of a body.
-    fn speed_and_distance(&self, id: &str) -> Option<(f64, f64)> {
-        let slot = self.state.book[self.state.book.find(id)?].slot;
-        let block = self.state.fleet.block(slot);
-        Some((block.speed_mps(slot.lane()), block.distance_m(slot.lane())))
-    }
+impl Question for SpeedQuestion {
+    type Answer<'a> = Option<f64>;
 
-    fn sumo_mps(&self, id: &str) -> Option<f64> {
-        let slot = self.state.book[self.state.book.find(id)?].slot;
-        Some(self.state.fleet.block(slot).sumo_mps(slot.lane()))
+    fn answer<'a>(&self, gets: &mut impl Gets<'a>) -> Option<f64> {
+        gets.number(vehicle::SPEED)
     }
+}
+
+/// What SUMO takes for the speeds of these vehicles [m/s], now that it has been told those of the bodies.
+async fn sumo_speeds_mps<S: Sumo>(world: &mut World<S>, vehicles: &[Object]) -> Result<Vec<Option<f64>>, CosimError> {
+    let sumo = world.sumo_mut();
+    let asked = sumo.ask(vehicles.iter().map(|vehicle| (vehicle, SpeedQuestion)))?;
+    let mut speeds_mps = Vec::new();
+    let note = |_: SpeedQuestion, speed: Result<Option<f64>, NoAnswer>| speeds_mps.push(speed.ok().flatten());
+    sumo.answers(asked, note).await?;
+    Ok(speeds_mps)
+}
+
+/// A body after a step: its speed and odometer, and SUMO's choice v*.
+struct Body {
+    speed_mps: f64,
+    distance_m: f64,
+    sumo_mps: f64,
+}
+
+fn body<S: Sumo>(world: &World<S>, id: &str) -> Option<Body> {
+    let (ego, block) = world.driving().find(|(ego, _)| &**ego.id() == id)?;
+    let lane = ego.slot.lane();
+    Some(Body {
+        speed_mps: block.speed_mps(lane),
+        distance_m: block.distance_m(lane),
+        sumo_mps: block.sumo_mps(lane),
+    })
 }
 
 /// The first time after `from_s` at which the compared speed is reached \[s\].

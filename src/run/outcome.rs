@@ -1,7 +1,7 @@
 //! What a run comes to: SUMO's own outputs joined with the fleet's records.
 
 use super::RunError;
-use crate::cosim::state::{Finished, State};
+use crate::cosim::{Counters, Finished, Records};
 use crate::output::{EdgeTable, Summary, SumoTotals, VehicleRow};
 use crate::scenario::Scenario;
 use crate::sumo_files::{SumoCommand, SumoStatistics, TripInfo, Trips};
@@ -23,7 +23,8 @@ impl Outcome {
     /// only what the replies told is known.
     pub fn new(
         scenario: &Scenario,
-        mut state: State,
+        records: Records,
+        time_s: f64,
         own_sumo: Option<&SumoCommand>,
         broken: bool,
     ) -> Result<Self, RunError> {
@@ -35,29 +36,30 @@ impl Outcome {
             Some(Err(error)) if !broken => return Err(error),
             _ => (None, Trips::default()),
         };
+        let counters = &records.counters;
         let totals = match statistics {
             Some(statistics) => totals(&statistics, &trips),
             None => SumoTotals {
-                inserted: state.departed,
-                arrived: state.arrived,
+                inserted: counters.departed,
+                arrived: counters.arrived,
                 time_loss_mean_s: None,
-                collisions: state.collision_pairs() as u64,
-                teleports: state.teleports,
+                collisions: counters.collision_pairs as u64,
+                teleports: counters.teleports,
             },
         };
         let mut edges = EdgeTable::default();
-        for (road, sums) in state.roads.iter() {
+        for (road, sums) in records.roads.iter() {
             edges.add(road, sums.samples, sums.error_mps, sums.error_squared, sums.speed_mps);
         }
         let counts = vec![
-            ("unequipped", state.unequipped),
-            ("other_classes", state.others.values().sum()),
-            ("refused", state.refused.len() as u64),
+            ("unequipped", counters.unequipped),
+            ("other_classes", counters.others.values().sum()),
+            ("refused", counters.refused.len() as u64),
         ];
         let names = Names::new(scenario);
         let mut types: HashMap<String, Arc<str>> = HashMap::new();
-        let time_s = state.time_s;
-        let rows = std::mem::take(&mut state.finished)
+        let rows = records
+            .finished
             .into_iter()
             .map(|record| {
                 let trip = trips.by_id.get(&*record.id);
@@ -137,14 +139,14 @@ fn row(record: Finished, trip: Option<&TripInfo>, vehicle_type: Arc<str>, names:
 }
 
 /// What the user should be told about the traffic.
-pub fn notes(state: &State) -> Vec<String> {
+pub fn notes(counters: &Counters) -> Vec<String> {
     let mut notes = Vec::new();
-    if !state.others.is_empty() {
-        let list: Vec<String> = state.others.iter().map(|(class, count)| format!("{count} {class}")).collect();
+    if !counters.others.is_empty() {
+        let list: Vec<String> = counters.others.iter().map(|(class, count)| format!("{count} {class}")).collect();
         notes.push(format!("left to SUMO, for want of four wheels: {}", list.join(", ")));
     }
-    if let Some((id, reason)) = state.refused.first() {
-        notes.push(format!("{} vehicles cannot be egos; the first, \"{id}\": {reason}", state.refused.len()));
+    if let Some((id, reason)) = counters.refused.first() {
+        notes.push(format!("{} vehicles cannot be egos; the first, \"{id}\": {reason}", counters.refused.len()));
     }
     notes
 }

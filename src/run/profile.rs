@@ -26,7 +26,7 @@ impl Profiler {
     /// The first step is about to begin.
     pub fn begin(&mut self, world: &mut World) {
         if self.watch.is_on() {
-            world.state.fleet.time_yourself();
+            world.time_fleet();
             self.waited = world.waited();
             self.watch.start();
         }
@@ -36,7 +36,7 @@ impl Profiler {
     pub fn stepped(&mut self, world: &World) {
         self.watch.lap(STEP);
         self.steps += 1;
-        self.ego_steps += world.state.book.len() as u64;
+        self.ego_steps += world.egos().len() as u64;
     }
 
     /// The step has been written down and shown.
@@ -47,7 +47,7 @@ impl Profiler {
     /// What was measured.
     pub fn profile(&self, world: &World) -> Option<Profile> {
         let [step, output] = self.watch.spent();
-        let fleet = world.state.fleet.time_spent();
+        let fleet = world.fleet_time();
         let sumo = world.waited().saturating_sub(self.waited);
         let wire = step.saturating_sub(sumo + fleet.control + fleet.plant + fleet.statistics);
         let (steps, ego_steps) = (self.steps, self.ego_steps);

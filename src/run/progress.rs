@@ -1,6 +1,6 @@
 //! The progress bar: simulated time, egos, real-time factor. On stderr, and only if that is a terminal.
 
-use crate::cosim::state::State;
+use crate::cosim::World;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
@@ -31,13 +31,13 @@ impl Progress {
     }
 
     /// Shows where the run is, now and then.
-    pub fn show(&self, state: &State) {
+    pub fn show(&self, world: &World) {
         let Some(bar) = self.bar.as_ref().filter(|_| self.shown.get().elapsed() >= EVERY) else { return };
         self.shown.set(Instant::now());
-        let simulated_s = state.time_s - self.begin_s;
+        let simulated_s = world.time_s() - self.begin_s;
         let factor = simulated_s / self.started.elapsed().as_secs_f64();
         bar.set_position(simulated_s as u64);
-        bar.set_message(format!("{} egos, {factor:.1} x real time", state.book.len()));
+        bar.set_message(format!("{} egos, {factor:.1} x real time", world.egos().len()));
     }
 
     /// Takes the bar away.

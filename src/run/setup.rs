@@ -3,7 +3,7 @@
 use super::RunError;
 use crate::control::CONTROLLERS;
 use crate::cosim::bodies::DEAD_TIME_MAX_S;
-use crate::cosim::{Fault, WorldSetup};
+use crate::cosim::{Rules, WorldSetup};
 use crate::fleet::{GroupSetup, LoopConfig};
 use crate::plant::PLANTS;
 use crate::plant::tyre::{identify, read_curve};
@@ -24,17 +24,18 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
     let tyre_curves = scenario.groups.iter().map(tyre_curve);
     let blocks = scenario.groups.iter().map(|group| block(group, scenario.control_period_s));
     Ok(WorldSetup {
+        rules: Rules {
+            groups: scenario.groups.clone(),
+            tyre_curves: tyre_curves.collect::<Result<_, RunError>>()?,
+            egos: scenario.egos.clone(),
+            equipped: scenario.equipped()?,
+            seed: scenario.sumo.seed,
+        },
         targets: targets.collect::<Result<_, RunError>>()?,
-        tyre_curves: tyre_curves.collect::<Result<_, RunError>>()?,
         blocks: blocks.collect::<Result<_, RunError>>()?,
-        groups: scenario.groups.clone(),
-        egos: scenario.egos.clone(),
-        equipped: scenario.equipped()?,
         loop_config: loop_config(scenario)?,
         grade: scenario.coupling.grade,
-        seed: scenario.sumo.seed,
         sigma: scenario.traffic.sigma,
-        fault: Fault::None,
         shared: scenario.sumo.connect.is_some() || scenario.sumo.num_clients > 1,
     })
 }

@@ -2,8 +2,7 @@
 
 use super::RunError;
 use super::outcome::Outcome;
-use crate::cosim::book::{Ego, Presence};
-use crate::cosim::state::State;
+use crate::cosim::{Ego, World};
 use crate::fleet::block::Block;
 use crate::output::{
     EDGES, ResultDir, SampleRow, Sampler, TRACE, Table, TraceRow, VEHICLES, sort_vehicles, write_table,
@@ -20,8 +19,8 @@ pub struct Writers {
 
 impl Writers {
     /// Opens the files.
-    pub fn open(scenario: &Scenario, dir: &ResultDir, state: &State) -> Result<Self, RunError> {
-        let steps = |period_s: f64| (period_s / state.step_s).round().max(1.0) as u64;
+    pub fn open(scenario: &Scenario, dir: &ResultDir, world: &World) -> Result<Self, RunError> {
+        let steps = |period_s: f64| (period_s / world.step_s()).round().max(1.0) as u64;
         let output = &scenario.output;
         let trace = if output.trace == Trace::None {
             None
@@ -34,31 +33,30 @@ impl Writers {
     }
 
     /// Takes down the step that was just made.
-    pub fn step(&mut self, state: &mut State) -> Result<(), RunError> {
+    pub fn step(&mut self, world: &mut World) -> Result<(), RunError> {
         self.step += 1;
-        for id in state.admitted.drain(..) {
+        for id in world.take_admitted() {
             self.sampler.depart(&id);
         }
         if let Some((table, wanted, every)) = &mut self.trace
             && self.step.is_multiple_of(*every)
         {
-            for ego in state.book.iter().filter(|e| e.presence == Presence::Driving && is_traced(wanted, &e.id)) {
-                table.write(&trace_row(ego, state.fleet.block(ego.slot), state.time_s))?;
+            for (ego, block) in world.driving().filter(|(ego, _)| is_traced(wanted, ego.id())) {
+                table.write(&trace_row(ego, block, world.time_s()))?;
             }
         }
         if self.step.is_multiple_of(self.sample_every) {
-            self.sample(state)?;
+            self.sample(world)?;
         }
         Ok(())
     }
 
-    fn sample(&mut self, state: &State) -> Result<(), RunError> {
-        let driving = state.book.iter().filter(|e| e.presence == Presence::Driving);
-        for ego in driving.filter(|e| self.sampler.follows(&e.id)).collect::<Vec<_>>() {
-            let (block, lane) = (state.fleet.block(ego.slot), ego.slot.lane());
+    fn sample(&mut self, world: &World) -> Result<(), RunError> {
+        for (ego, block) in world.driving().filter(|(ego, _)| self.sampler.follows(ego.id())).collect::<Vec<_>>() {
+            let lane = ego.slot.lane();
             self.sampler.write(&SampleRow {
-                time: state.time_s,
-                id: ego.id.clone(),
+                time: world.time_s(),
+                id: ego.id().clone(),
                 speed: block.speed_mps(lane),
                 target: target_mps(block, lane),
                 distance: block.distance_m(lane),
@@ -100,7 +98,7 @@ fn trace_row(ego: &Ego, block: &Block, time_s: f64) -> TraceRow {
     let [slip_front, slip_rear] = block.slip(lane);
     TraceRow {
         time: time_s,
-        id: ego.id.clone(),
+        id: ego.id().clone(),
         target: target_mps(block, lane),
         reference: block.reference_mps(lane),
         speed: state.vx_mps,

@@ -1,13 +1,15 @@
-//! The exchange with a running SUMO: messages out, answers in, in the same order.
+//! The exchange with a running SUMO: messages out, answers in.
 //!
 //! SUMO answers each message as a whole and goes on to the next one that lies in its socket. [`Client::exchange`] sends
-//! one and waits for its answer; [`Client::send`] and [`Client::receive`] keep several under way, so that SUMO works on
-//! the next message while the answer to the last one is being used.
+//! one message and waits for its answer. [`Client::send`] does not wait: it returns a [`Ticket`], and [`Client::receive`]
+//! takes the ticket and returns exactly the answer to that message. So several messages can be under way, and SUMO works
+//! on the next one while the answer to the last one is used.
 
 use std::collections::VecDeque;
 use std::fmt;
 use std::io::{Error as IoError, ErrorKind};
 use std::ops::Range;
+use std::sync::{Arc, Weak};
 use std::time::Duration;
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -66,6 +68,32 @@ impl fmt::Display for SumoVersion {
     }
 }
 
+/// The right to the answer to one message. A ticket that is dropped gives the answer up: it is thrown away when it comes.
+#[must_use = "the answer is thrown away with its ticket"]
+#[derive(Debug)]
+pub struct Ticket(Arc<()>);
+
+/// A message whose answer has not been handed out yet.
+#[derive(Debug)]
+struct Pending {
+    /// Dead once the ticket has been dropped.
+    ticket: Weak<()>,
+    /// Number of its commands.
+    commands: usize,
+    state: Answer,
+}
+
+/// How far the answer to a message has come.
+#[derive(Debug)]
+enum Answer {
+    /// SUMO has not sent it, or it has not been read.
+    UnderWay,
+    /// It lies in the inbox, because the answer to a later message was wanted first.
+    Kept(Range<usize>),
+    /// Handed out or given up.
+    Done,
+}
+
 /// A connection to SUMO. Every call ends within the client's timeout; after an error that is not a refusal the
 /// connection is finished.
 #[derive(Debug)]
@@ -73,11 +101,13 @@ pub struct Client {
     stream: TcpStream,
     outbox: Vec<u8>,
     inbox: Vec<u8>,
-    /// Bytes at the beginning of the inbox that have been handed out.
-    taken: usize,
-    /// The commands that SUMO has not answered yet, and how many of them each message has.
-    asked: VecDeque<Expected>,
-    messages: VecDeque<usize>,
+    /// Number of bytes at the beginning of the inbox that have been divided into answers.
+    divided: usize,
+    /// Where the answer that was handed out last lies in the inbox.
+    current: Range<usize>,
+    /// The messages from the first one that is not done, in the order of sending, and the commands of all of them.
+    pending: VecDeque<Pending>,
+    commands: VecDeque<Expected>,
     index: Index,
     single: Batch,
     version: SumoVersion,
@@ -125,9 +155,10 @@ impl Client {
             stream,
             outbox: Vec::new(),
             inbox: Vec::with_capacity(INBOX_BYTES),
-            taken: 0,
-            asked: VecDeque::new(),
-            messages: VecDeque::new(),
+            divided: 0,
+            current: 0..0,
+            pending: VecDeque::new(),
+            commands: VecDeque::new(),
             index: Index::default(),
             single: Batch::new(),
             version: SumoVersion::parse(0, ""),
@@ -165,37 +196,59 @@ impl Client {
         self.waited
     }
 
-    /// Sends a batch and gives the reply. Nothing is allocated once the buffers have grown. Answers to earlier batches
-    /// that nobody has received are dropped. Declined commands are data in the reply, not an error.
+    /// Sends a batch and waits for the reply. Nothing is allocated for it once the buffers have grown. Commands that SUMO
+    /// declines are data in the reply, not an error.
     ///
     /// # Errors
     /// [`Error::Empty`], [`Error::Timeout`], [`Error::Disconnected`], [`Error::Decode`]; the last three, and dropping
     /// the future midway, finish the connection.
     pub async fn exchange(&mut self, batch: &Batch) -> Result<Reply<'_>, Error> {
-        self.send([batch]).await?;
-        while self.messages.len() > 1 {
-            self.receive().await?;
-        }
-        self.receive().await
+        let ticket = self.send(batch).await?;
+        self.receive(ticket).await
     }
 
-    /// Writes batches one behind the other and does not wait for answers: [`Client::receive`] gives these in the same
-    /// order. SUMO works on a batch after the ones before it, so gets behind a step see the state after it.
+    /// Sends a batch and does not wait for the reply. SUMO works on a batch after the ones before it, so gets behind a
+    /// step see the state after it.
     ///
     /// # Errors
     /// As [`Client::exchange`].
-    pub async fn send<'b>(&mut self, batches: impl IntoIterator<Item = &'b Batch> + Clone) -> Result<(), Error> {
+    pub async fn send(&mut self, batch: &Batch) -> Result<Ticket, Error> {
+        let ticket = self.queue(batch)?;
+        self.flush().await?;
+        Ok(ticket)
+    }
+
+    /// Puts a batch behind those that wait to be sent. The next call that sends or receives sends them all with one
+    /// write.
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::Finished`].
+    pub fn queue(&mut self, batch: &Batch) -> Result<Ticket, Error> {
         if self.finished {
             return Err(Error::Finished);
         }
-        if batches.clone().into_iter().any(Batch::is_empty) {
+        if batch.is_empty() {
             return Err(Error::Empty);
         }
-        self.outbox.clear();
-        for batch in batches {
-            self.outbox.extend_from_slice(batch.bytes());
-            self.messages.push_back(batch.len());
-            self.asked.extend(batch.expected());
+        self.outbox.extend_from_slice(batch.bytes());
+        self.commands.extend(batch.expected());
+        let ticket = Ticket(Arc::new(()));
+        let pending =
+            Pending { ticket: Arc::downgrade(&ticket.0), commands: batch.len(), state: Answer::UnderWay };
+        self.pending.push_back(pending);
+        Ok(ticket)
+    }
+
+    /// Sends the batches that wait in the queue.
+    ///
+    /// # Errors
+    /// As [`Client::exchange`].
+    pub async fn flush(&mut self) -> Result<(), Error> {
+        if self.finished {
+            return Err(Error::Finished);
+        }
+        if self.outbox.is_empty() {
+            return Ok(());
         }
         // Until everything has gone well: half a message must not be followed by another.
         self.finished = true;
@@ -211,45 +264,63 @@ impl Client {
             }
         };
         timeout(self.timeout, written).await.map_err(|_| Error::Timeout { after: self.timeout })??;
+        self.outbox.clear();
         self.waited += begun.elapsed();
         self.finished = false;
         Ok(())
     }
 
-    /// Batches that have been sent and whose answers have not been received yet.
-    #[must_use]
-    pub fn under_way(&self) -> usize {
-        self.messages.len()
-    }
-
-    /// The answer to the oldest batch that has been sent and not been received yet.
+    /// The answer to the message of the ticket. Answers to earlier messages that come first are kept for their tickets.
     ///
     /// # Errors
-    /// As [`Client::exchange`]; [`Error::Empty`] if nothing has been asked.
-    pub async fn receive(&mut self) -> Result<Reply<'_>, Error> {
-        if self.finished {
-            return Err(Error::Finished);
-        }
-        let commands = self.messages.pop_front().ok_or(Error::Empty)?;
-        // A half-read answer must never be taken for the answer to the next batch.
+    /// As [`Client::exchange`]; [`Error::Empty`] for a ticket of another client.
+    pub async fn receive(&mut self, ticket: Ticket) -> Result<Reply<'_>, Error> {
+        self.flush().await?;
+        let of_ticket = |pending: &Pending| pending.ticket.as_ptr() == Arc::as_ptr(&ticket.0);
+        let place = self.pending.iter().position(of_ticket).ok_or(Error::Empty)?;
+        // A half-read answer must never be taken for the answer to the next message.
         self.finished = true;
-        if self.taken == self.inbox.len() {
+        let first = self.pending.iter().take(place).map(|pending| pending.commands).sum::<usize>();
+        let commands = first..first + self.pending[place].commands;
+        self.current = self.read_to(place).await?;
+        self.index.fill(&self.inbox[self.current.clone()], self.commands.range(commands).copied())?;
+        while let Some(Pending { commands, state: Answer::Done, .. }) = self.pending.front() {
+            self.commands.drain(..commands);
+            self.pending.pop_front();
+        }
+        self.finished = false;
+        Ok(self.index.reply(&self.inbox[self.current.clone()]))
+    }
+
+    /// Reads answers up to that of the message at `place`, and marks it as done.
+    async fn read_to(&mut self, place: usize) -> Result<Range<usize>, Error> {
+        let is_kept = |pending: &Pending| matches!(pending.state, Answer::Kept(_));
+        if self.divided == self.inbox.len() && !self.pending.iter().any(is_kept) {
             self.inbox.clear();
-            self.taken = 0;
+            self.divided = 0;
         }
         let begun = Instant::now();
-        let read = read_frame(&mut self.stream, &mut self.inbox, self.taken);
-        let length = timeout(self.timeout, read).await.map_err(|_| Error::Timeout { after: self.timeout })??;
-        self.waited += begun.elapsed();
-        let frame = self.taken..self.taken + length;
-        self.taken = frame.end;
-        if self.messages.is_empty() && self.inbox.len() > frame.end {
-            // SUMO speaks only when asked.
-            return Err(DecodeError { offset: length, what: "bytes behind the answer" }.into());
+        for at in 0..=place {
+            if !matches!(self.pending[at].state, Answer::UnderWay) {
+                continue;
+            }
+            let read = read_frame(&mut self.stream, &mut self.inbox, self.divided);
+            let length = timeout(self.timeout, read).await.map_err(|_| Error::Timeout { after: self.timeout })??;
+            let frame = self.divided..self.divided + length;
+            self.divided = frame.end;
+            let pending = &mut self.pending[at];
+            pending.state = if pending.ticket.strong_count() > 0 { Answer::Kept(frame) } else { Answer::Done };
         }
-        self.index.fill(&self.inbox[frame.clone()], self.asked.drain(..commands))?;
-        self.finished = false;
-        Ok(self.index.reply(&self.inbox[frame]))
+        self.waited += begun.elapsed();
+        let last_is_read = self.pending.back().is_some_and(|last| !matches!(last.state, Answer::UnderWay));
+        if last_is_read && self.inbox.len() > self.divided {
+            // SUMO speaks only when asked.
+            return Err(DecodeError { offset: self.divided, what: "bytes behind the answer" }.into());
+        }
+        match std::mem::replace(&mut self.pending[place].state, Answer::Done) {
+            Answer::Kept(frame) => Ok(frame),
+            Answer::UnderWay | Answer::Done => Err(Error::Empty),
+        }
     }
 
     /// Sends a batch with one command built by `build`, and fails if SUMO declines it.
@@ -258,13 +329,13 @@ impl Client {
         batch.clear();
         let built = build(&mut batch);
         let sent = match &built {
-            Ok(_) => self.exchange(&batch).await.map(|reply| reply.frame().len()),
-            Err(_) => Ok(0),
+            Ok(_) => self.exchange(&batch).await.map(drop),
+            Err(_) => Ok(()),
         };
         self.single = batch;
         let built = built?;
-        let length = sent?;
-        let reply = self.index.reply(&self.inbox[self.taken - length..self.taken]);
+        sent?;
+        let reply = self.index.reply(&self.inbox[self.current.clone()]);
         match reply.refusals().next() {
             Some((_, refusal)) => Err(Error::refused(refusal)),
             None => Ok((built, reply)),
@@ -438,28 +509,38 @@ mod tests {
         let (mut first, mut gets) = (Batch::new(), Batch::new());
         first.step().unwrap();
         let speed = gets.get(vehicle::SPEED, "a").unwrap();
-        client.send([&first, &gets]).await.unwrap();
-        assert_eq!(client.receive().await.unwrap().len(), 1);
-        assert_eq!(client.receive().await.unwrap().get(speed).unwrap(), 3.0);
-        assert!(matches!(client.receive().await, Err(Error::Empty)), "nothing is under way");
+        let (stepped, got) = (client.queue(&first).unwrap(), client.queue(&gets).unwrap());
+        assert_eq!(client.receive(got).await.unwrap().get(speed).unwrap(), 3.0, "the later answer first");
+        assert_eq!(client.receive(stepped).await.unwrap().len(), 1, "the earlier one was kept");
+        assert!(client.pending.is_empty() && client.commands.is_empty());
     }
 
     #[tokio::test]
-    async fn answers_come_in_the_order_of_the_messages_and_may_be_left_unread() {
+    async fn a_ticket_is_good_for_one_answer_of_its_own_client() {
+        let mut client = Client::connect(peer(vec![STEPPED.to_vec()]).await, LIMIT).await.unwrap();
+        let mut other = Client::connect(peer(vec![STEPPED.to_vec()]).await, LIMIT).await.unwrap();
+        let mut step = Batch::new();
+        step.step().unwrap();
+        let (ticket, others) = (client.send(&step).await.unwrap(), other.send(&step).await.unwrap());
+        assert!(matches!(client.receive(others).await, Err(Error::Empty)));
+        assert_eq!(client.receive(ticket).await.unwrap().len(), 1);
+    }
+
+    #[tokio::test]
+    async fn the_answer_goes_with_its_ticket() {
         let refused = [b"\0\0\0\x0f\x0b\xc4\xff\0\0\0\x04gone".as_slice(), &STEPPED, &STEPPED].concat();
         let mut client = Client::connect(peer(vec![refused]).await, LIMIT).await.unwrap();
         let (mut speeds, mut step) = (Batch::new(), Batch::new());
         speeds.set_speed(&super::super::Prefix::new("a").unwrap(), 1.0).unwrap();
         step.step().unwrap();
-        client.send([&speeds]).await.unwrap();
-        client.send([&step]).await.unwrap();
-        assert_eq!(client.under_way(), 2);
-        let reply = client.receive().await.unwrap();
-        assert_eq!(reply.refusal(0).unwrap().text, "gone");
+        let told = client.send(&speeds).await.unwrap();
+        drop(client.send(&step).await.unwrap());
+        assert_eq!(client.pending.len(), 2);
+        assert_eq!(client.receive(told).await.unwrap().refusal(0).unwrap().text, "gone");
         assert_eq!(client.exchange(&step).await.unwrap().block_count(), 0, "the answer to the first step is dropped");
-        assert_eq!(client.under_way(), 0);
-        assert!(matches!(client.send([&step, &Batch::new()]).await, Err(Error::Empty)));
-        assert_eq!(client.under_way(), 0, "nothing of it was sent");
+        assert!(client.pending.is_empty());
+        assert!(matches!(client.send(&Batch::new()).await, Err(Error::Empty)));
+        assert!(client.pending.is_empty(), "nothing of it was sent");
     }
 
     #[tokio::test]

@@ -54,9 +54,10 @@ impl Bare {
             }
             return;
         };
-        self.client.send([&self.act, read]).await.expect("SUMO listens");
-        self.client.receive().await.expect("SUMO steps");
-        let reply = self.client.receive().await.expect("SUMO answers");
+        let stepped = self.client.queue(&self.act).expect("a batch");
+        let read = self.client.queue(read).expect("a batch");
+        self.client.receive(stepped).await.expect("SUMO steps");
+        let reply = self.client.receive(read).await.expect("SUMO answers");
         for (i, (_, speed_mps)) in self.cars.iter_mut().enumerate() {
             let (speed, _angle) = (reply.f64(2 * i), reply.f64(2 * i + 1));
             *speed_mps = speed.unwrap_or_default();

@@ -147,8 +147,8 @@ impl Loop {
                 for _ in 0..count {
                     with(set, world.step()).await.expect("a step");
                     // Whoever runs a world takes these in every step.
-                    world.state.finished.clear();
-                    world.state.admitted.clear();
+                    world.take_finished();
+                    world.take_admitted();
                 }
             }
             Driver::Bare(bare) => {
@@ -167,7 +167,7 @@ impl Loop {
     /// Cars in the loop.
     pub fn cars(&self) -> Option<usize> {
         match &self.driver {
-            Driver::Ours(world) => Some(world.state.book.len()),
+            Driver::Ours(world) => Some(world.egos().len()),
             _ => None,
         }
     }

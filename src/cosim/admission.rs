@@ -1,0 +1,280 @@
+//! Vehicles that have departed: what must be known of them, who becomes an ego, and with which body.
+//!
+//! A vehicle that SUMO reports as departed has not moved yet. Its type, speed and parameters (and once those of a new
+//! type) are asked for while the bodies drive, only in steps with departures, so that the next step can already carry its
+//! body's speed.
+
+use super::bodies::{self, TypeFacts, parameter_keys, parameter_names, preset_of_class};
+use super::error::CosimError;
+use super::leader::Before;
+use super::question::{Gets, NoAnswer, Object, Question};
+use super::records::Counters;
+use super::sumo::Sumo;
+use crate::fleet::VehicleSetup;
+use crate::random::Stream;
+use crate::scenario::{EgoInfo, Group, Selector};
+use crate::sumo_files::Equipped;
+use crate::traci::{Var, vehicle, vehicletype};
+use std::collections::HashMap;
+
+/// Vehicles that are asked about in one message, some 60 values each: a crowd that departs at once must not make the
+/// buffers large for good.
+const ASKED_AT_ONCE: usize = 64;
+
+/// Who becomes an ego, and what of.
+pub struct Rules {
+    /// The scenario's groups; the first whose selector matches takes a vehicle.
+    pub groups: Vec<Group>,
+    /// The measured tyre curve of each group, if it has one.
+    pub tyre_curves: Vec<Option<String>>,
+    /// Which vehicles may become egos at all.
+    pub egos: Selector,
+    /// What the demand says of `has.mfc.device`.
+    pub equipped: Equipped,
+    /// Seed of everything that is drawn per vehicle.
+    pub seed: u64,
+}
+
+/// What more has to be known of a vehicle.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted {
+    /// What body-leads mode changes.
+    pub before: bool,
+    /// Its driver imperfection.
+    pub imperfection: bool,
+}
+
+/// Departed vehicles on their way to becoming egos.
+pub struct Admission {
+    rules: Rules,
+    wanted: Wanted,
+    /// What is known of vTypes.
+    types: HashMap<String, TypeFacts>,
+    /// Vehicles that have not been asked about.
+    waiting: Vec<String>,
+    /// Vehicles that have been, and are not decided on.
+    known: Vec<Departed>,
+}
+
+/// A vehicle that is to become an ego.
+pub struct Newcomer {
+    /// What SUMO told of it.
+    pub departed: Departed,
+    /// Index of its group.
+    pub group: usize,
+    /// Its body.
+    pub setup: VehicleSetup,
+}
+
+/// What SUMO tells of a vehicle.
+pub struct Departed {
+    /// The vehicle.
+    pub object: Object,
+    /// Its vType.
+    pub type_id: String,
+    /// Its speed [m/s]; `None` while SUMO carries it.
+    speed_mps: Option<f64>,
+    /// SUMO's odometer \[m\].
+    pub odometer_m: f64,
+    parameters: Vec<(usize, String)>,
+    /// Its driver imperfection, if that is changed.
+    pub imperfection: Option<f64>,
+    /// What body-leads mode changes, and the lane, if bodies lead.
+    pub before: Option<(Before, String)>,
+}
+
+impl Admission {
+    /// Decides by these rules.
+    pub fn new(rules: Rules, wanted: Wanted) -> Self {
+        Self { rules, wanted, types: HashMap::new(), waiting: Vec::new(), known: Vec::new() }
+    }
+
+    /// These vehicles have departed.
+    pub fn wait(&mut self, ids: impl IntoIterator<Item = String>) {
+        self.waiting.extend(ids);
+    }
+
+    /// This vehicle has arrived: if it departed in the same step, it never gets a body.
+    pub fn forget(&mut self, id: &str) {
+        self.waiting.retain(|waiting| waiting != id);
+    }
+
+    /// Asks about vehicles that wait, as many as one message may be about.
+    pub fn ask<S: Sumo>(
+        &mut self,
+        sumo: &mut S,
+        counters: &mut Counters,
+    ) -> Result<S::Asked<VehicleQuestion>, CosimError> {
+        let mut questions = Vec::new();
+        for id in self.waiting.drain(..self.waiting.len().min(ASKED_AT_ONCE)) {
+            match Object::new(id.as_str()) {
+                Ok(object) => questions.push(VehicleQuestion { object, wanted: self.wanted }),
+                Err(error) => counters.refused.push((id, error.to_string())),
+            }
+        }
+        let objects: Vec<Object> = questions.iter().map(|question| question.object.clone()).collect();
+        sumo.ask(objects.iter().zip(questions))
+    }
+
+    /// Takes the answers.
+    pub async fn hear<S: Sumo>(
+        &mut self,
+        sumo: &mut S,
+        asked: S::Asked<VehicleQuestion>,
+        counters: &mut Counters,
+    ) -> Result<(), CosimError> {
+        let known = &mut self.known;
+        sumo.answers(asked, |VehicleQuestion { object, .. }, answer| match answer {
+            Ok(departed) => known.extend(departed),
+            Err(NoAnswer::Unaskable(error)) => counters.refused.push((object.id.to_string(), error.to_string())),
+            // It has left in the meantime.
+            Err(NoAnswer::Gone) => {}
+        })
+        .await
+    }
+
+    /// Decides on all vehicles that have departed, also those that were not asked about yet.
+    pub async fn decide<S: Sumo>(
+        &mut self,
+        sumo: &mut S,
+        counters: &mut Counters,
+    ) -> Result<Vec<Newcomer>, CosimError> {
+        while !self.waiting.is_empty() {
+            let asked = self.ask(sumo, counters)?;
+            self.hear(sumo, asked, counters).await?;
+        }
+        let known = std::mem::take(&mut self.known);
+        self.learn_types(sumo, &known).await?;
+        let mut newcomers = Vec::new();
+        for departed in known {
+            newcomers.extend(self.judge(departed, counters)?);
+        }
+        Ok(newcomers)
+    }
+
+    async fn learn_types<S: Sumo>(&mut self, sumo: &mut S, vehicles: &[Departed]) -> Result<(), CosimError> {
+        let mut unknown: Vec<&str> = vehicles.iter().map(|v| v.type_id.as_str()).collect();
+        unknown.retain(|id| !self.types.contains_key(*id));
+        unknown.sort_unstable();
+        unknown.dedup();
+        if unknown.is_empty() {
+            return Ok(());
+        }
+        // Vehicles of a type whose id is too long are refused.
+        let objects: Vec<Object> = unknown.into_iter().filter_map(|id| Object::new(id).ok()).collect();
+        let asked = sumo.ask(objects.iter().map(|object| (object, TypeQuestion { id: object.id.to_string() })))?;
+        let types = &mut self.types;
+        sumo.answers(asked, |TypeQuestion { id }, answer| {
+            types.extend(answer.ok().flatten().map(|facts| (id, facts)));
+        })
+        .await
+    }
+
+    fn judge(&mut self, departed: Departed, counters: &mut Counters) -> Result<Option<Newcomer>, CosimError> {
+        let id = &departed.object.id;
+        let Some(speed_mps) = departed.speed_mps else {
+            // Departed and carried away at once: it is asked about again when it is back.
+            self.waiting.push(id.to_string());
+            return Ok(None);
+        };
+        let Some(facts) = self.types.get(&departed.type_id) else {
+            counters.refused.push((id.to_string(), "the id of its vType is too long".to_owned()));
+            return Ok(None);
+        };
+        if preset_of_class(&facts.class).is_none() {
+            *counters.others.entry(facts.class.clone()).or_default() += 1;
+            return Ok(None);
+        }
+        let Some(group) = self.rules.group_of(&departed, facts) else {
+            counters.unequipped += 1;
+            return Ok(None);
+        };
+        let Rules { groups, tyre_curves, seed, .. } = &self.rules;
+        let curve = tyre_curves[group].as_deref();
+        let setup = bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
+        Ok(Some(Newcomer { departed, group, setup }))
+    }
+}
+
+impl Rules {
+    /// The group that takes a vehicle.
+    fn group_of(&self, departed: &Departed, facts: &TypeFacts) -> Option<usize> {
+        let id = &*departed.object.id;
+        let drawn = |share: f64| Stream::new(self.seed, "device.mfc", id).uniform() < share;
+        let param = self.equipped.of(id).or(facts.equipped).unwrap_or_else(|| facts.probability.is_some_and(drawn));
+        let info = EgoInfo { id, type_id: &departed.type_id, class: &facts.class, param };
+        Group::of(&self.groups, &info, self.seed).filter(|_| self.egos.matches(&info, self.seed))
+    }
+}
+
+/// The question about a departed vehicle.
+pub struct VehicleQuestion {
+    object: Object,
+    wanted: Wanted,
+}
+
+impl Question for VehicleQuestion {
+    /// `None` if SUMO does not tell the type.
+    type Answer<'a> = Option<Departed>;
+
+    fn answer<'a>(&self, gets: &mut impl Gets<'a>) -> Option<Departed> {
+        let type_id = gets.text(vehicle::TYPE);
+        let speed_mps = gets.number(vehicle::SPEED);
+        let odometer_m = gets.number(vehicle::DISTANCE).unwrap_or(0.0);
+        let parameters = parameters(gets, vehicle::PARAMETER);
+        let imperfection = if self.wanted.imperfection { gets.number(vehicle::IMPERFECTION) } else { None };
+        let before = if self.wanted.before {
+            let before = Before::ask(gets);
+            let lane = gets.text(vehicle::LANE);
+            before.zip(lane.map(str::to_owned))
+        } else {
+            None
+        };
+        let (object, type_id) = (self.object.clone(), type_id?.to_owned());
+        Some(Departed { object, type_id, speed_mps, odometer_m, parameters, imperfection, before })
+    }
+}
+
+/// The question about a vType.
+struct TypeQuestion {
+    id: String,
+}
+
+impl Question for TypeQuestion {
+    type Answer<'a> = Option<TypeFacts>;
+
+    fn answer<'a>(&self, gets: &mut impl Gets<'a>) -> Option<TypeFacts> {
+        let class = gets.text(vehicletype::CLASS);
+        let length_m = gets.number(vehicletype::LENGTH);
+        let accel_mps2 = gets.number(vehicletype::ACCEL);
+        let emergency_decel_mps2 = gets.number(vehicletype::EMERGENCY_DECEL);
+        // Older SUMO knows no mass; then the preset's stands.
+        let mass_kg = gets.number(vehicletype::MASS);
+        let equipped = gets.parameter(vehicletype::PARAMETER, "has.mfc.device").and_then(|text| text.parse().ok());
+        let probability =
+            gets.parameter(vehicletype::PARAMETER, "device.mfc.probability").and_then(|text| text.parse().ok());
+        let parameters = parameters(gets, vehicletype::PARAMETER);
+        Some(TypeFacts {
+            class: class?.to_owned(),
+            length_m: length_m?,
+            mass_kg,
+            accel_mps2: accel_mps2?,
+            emergency_decel_mps2: emergency_decel_mps2?,
+            parameters,
+            equipped,
+            probability,
+        })
+    }
+}
+
+/// Asks for all `mfc.*` parameters, and keeps those that the object has, each with the index of its key.
+fn parameters<'a, S>(gets: &mut impl Gets<'a>, variable: Var<String, S, String>) -> Vec<(usize, String)> {
+    let mut given = Vec::new();
+    for (index, key) in parameter_keys().enumerate() {
+        for name in parameter_names(key) {
+            let text = gets.parameter(variable, &name).filter(|text| !text.is_empty());
+            given.extend(text.map(|text| (index, text.to_owned())));
+        }
+    }
+    given
+}

@@ -1,0 +1,118 @@
+//! One vehicle in body-leads mode: what was changed on it, and the speed that it was told.
+//!
+//! SUMO would clip the very overshoot that the targets `limit` and `profile` are there to show. So, once per vehicle and
+//! in this order (on SUMO 1.28 setting accel or decel after the factor undoes the factor): remember the speed factor; set
+//! accel and decel to at least what the body can do; set the factor so high that no lane limit binds; speed mode 27, which
+//! keeps safe gaps, right of way and red lights but lets the vehicle brake as hard as it needs. Hand-back restores all of
+//! it.
+
+use super::error::CosimError;
+use super::question::{Gets, Object};
+use super::sumo::{Sumo, Tell};
+use crate::fleet::block::Block;
+use crate::fleet::follow::Bound;
+use crate::reference::Target;
+use crate::traci::vehicle;
+
+/// Safe speed, right of way, red lights, accel; not decel: emergency braking stays possible under `setSpeed`.
+const SPEED_MODE: i32 = 27;
+/// Raises any lane's limit above what a road vehicle drives.
+const SPEED_FACTOR: f64 = 100.0;
+/// Speed with which a car that SUMO holds at a standstill asks whether it may go [m/s].
+const PROBE_MPS: f64 = 0.1;
+/// If SUMO's speed is this far below the command, SUMO clamped it [m/s].
+const CLAMP_MPS: f64 = 1e-6;
+
+/// What is changed on a vehicle whose body leads, to be restored at hand-back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Before {
+    speed_factor: f64,
+    accel_mps2: f64,
+    decel_mps2: f64,
+    speed_mode: i32,
+}
+
+impl Before {
+    /// Asks for it; `None` if SUMO does not tell all of it.
+    pub fn ask<'a>(gets: &mut impl Gets<'a>) -> Option<Self> {
+        let speed_factor = gets.number(vehicle::SPEED_FACTOR);
+        let accel_mps2 = gets.number(vehicle::ACCEL);
+        let decel_mps2 = gets.number(vehicle::DECEL);
+        let speed_mode = gets.integer(vehicle::SPEED_MODE);
+        Some(Self {
+            speed_factor: speed_factor?,
+            accel_mps2: accel_mps2?,
+            decel_mps2: decel_mps2?,
+            speed_mode: speed_mode?,
+        })
+    }
+}
+
+/// The state of a vehicle whose body leads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leader {
+    before: Before,
+    /// The lane that it is on, and its limit [m/s].
+    pub(super) lane: String,
+    pub(super) limit_mps: f64,
+    /// The speed that SUMO was told last [m/s].
+    command_mps: f64,
+    /// The speed that SUMO allowed instead, while it does [m/s].
+    clamp_mps: Option<f64>,
+}
+
+impl Leader {
+    /// A vehicle at `speed_mps` [m/s], which is its limit until that of its lane is known.
+    pub fn new(before: Before, lane: String, speed_mps: f64) -> Self {
+        Self { before, lane, limit_mps: speed_mps, command_mps: speed_mps, clamp_mps: None }
+    }
+
+    /// Changes the vehicle so that its body can lead.
+    pub fn take_over(&self, sumo: &mut impl Sumo, vehicle: &Object, body_limits_mps2: [f64; 2]) -> Result<(), CosimError> {
+        let [drive_mps2, brake_mps2] = body_limits_mps2;
+        sumo.tell(vehicle, Tell::Accel(self.before.accel_mps2.max(drive_mps2)))?;
+        sumo.tell(vehicle, Tell::Decel(self.before.decel_mps2.max(brake_mps2)))?;
+        sumo.tell(vehicle, Tell::SpeedFactor(SPEED_FACTOR))?;
+        sumo.tell(vehicle, Tell::SpeedMode(SPEED_MODE))
+    }
+
+    /// Gives the vehicle back to SUMO as it was.
+    pub fn hand_back(&self, sumo: &mut impl Sumo, vehicle: &Object) -> Result<(), CosimError> {
+        sumo.tell(vehicle, Tell::SpeedMode(self.before.speed_mode))?;
+        sumo.tell(vehicle, Tell::Accel(self.before.accel_mps2))?;
+        sumo.tell(vehicle, Tell::Decel(self.before.decel_mps2))?;
+        sumo.tell(vehicle, Tell::SpeedFactor(self.before.speed_factor))?;
+        sumo.tell(vehicle, Tell::ReleaseSpeed)
+    }
+
+    /// Sets what the body drives towards in the coming step: the limit, or the speed that SUMO clamped it to.
+    pub fn set_target(&self, target: &Target, block: &mut Block, lane: usize) {
+        let (limit_mps, bound) = match target {
+            Target::Profile(_) => (f64::INFINITY, Bound::Profile),
+            _ => (self.limit_mps * self.before.speed_factor, Bound::Limit),
+        };
+        match self.clamp_mps {
+            Some(clamp_mps) if clamp_mps < limit_mps => block.set_target(lane, clamp_mps, Bound::Clamp),
+            _ => block.set_target(lane, limit_mps, bound),
+        }
+    }
+
+    /// Takes the speed that the body reached for the next command. A car that SUMO holds has to ask whether it may go,
+    /// or it would stand for ever.
+    pub fn set_command(&mut self, speed_mps: f64) {
+        let probe_mps = if self.clamp_mps == Some(0.0) { PROBE_MPS } else { 0.0 };
+        self.command_mps = speed_mps.max(probe_mps);
+    }
+
+    /// The next command.
+    pub fn command(&self) -> Tell {
+        Tell::Speed(self.command_mps)
+    }
+
+    /// Compares SUMO's speed with the command; true if SUMO clamped it.
+    pub fn see_speed(&mut self, sumo_mps: f64) -> bool {
+        let clamped = sumo_mps < self.command_mps - CLAMP_MPS;
+        self.clamp_mps = clamped.then_some(sumo_mps);
+        clamped
+    }
+}

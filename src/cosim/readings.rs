@@ -1,0 +1,80 @@
+//! Odometers and roads, read once a second, when bodies and SUMO's cars are at the same instant.
+
+use super::egos::EgoTable;
+use super::error::CosimError;
+use super::question::{Gets, NoAnswer, Question};
+use super::roads::Roads;
+use super::sumo::Sumo;
+use crate::fleet::{Fleet, Slot};
+use crate::traci::vehicle;
+
+/// When they are read.
+pub struct Readings {
+    every: u64,
+}
+
+/// The question about an ego's odometer and road.
+pub struct ReadingQuestion(Slot);
+
+/// The answer.
+pub struct Reading<'a> {
+    odometer_m: Option<f64>,
+    road: Option<&'a str>,
+}
+
+impl Question for ReadingQuestion {
+    type Answer<'a> = Reading<'a>;
+
+    fn answer<'a>(&self, gets: &mut impl Gets<'a>) -> Reading<'a> {
+        Reading { odometer_m: gets.number(vehicle::DISTANCE), road: gets.text(vehicle::ROAD) }
+    }
+}
+
+impl Readings {
+    /// Once a second, or in every step if steps are longer than that.
+    pub fn every_second(step_s: f64) -> Self {
+        Self { every: (1.0 / step_s).round().max(1.0) as u64 }
+    }
+
+    /// Asks after the steps in which they are due. SUMO looks them up while the bodies drive to the same instant.
+    pub fn ask_if_due<S: Sumo>(
+        &self,
+        step: u64,
+        sumo: &mut S,
+        egos: &EgoTable,
+    ) -> Result<Option<S::Asked<ReadingQuestion>>, CosimError> {
+        if step.is_multiple_of(self.every) { self.ask(sumo, egos).map(Some) } else { Ok(None) }
+    }
+
+    /// Asks about every ego.
+    pub fn ask<S: Sumo>(&self, sumo: &mut S, egos: &EgoTable) -> Result<S::Asked<ReadingQuestion>, CosimError> {
+        sumo.ask(egos.iter().map(|ego| (&ego.object, ReadingQuestion(ego.slot))))
+    }
+
+    /// Takes the answers: odometers are compared, and what a body did since the last reading goes to the road that it is
+    /// on now.
+    pub async fn hear<S: Sumo>(
+        &self,
+        asked: Option<S::Asked<ReadingQuestion>>,
+        sumo: &mut S,
+        egos: &mut EgoTable,
+        fleet: &mut Fleet,
+        roads: &mut Roads,
+    ) -> Result<(), CosimError> {
+        let Some(asked) = asked else { return Ok(()) };
+        let note = |ReadingQuestion(slot): ReadingQuestion, answer: Result<Reading<'_>, NoAnswer>| {
+            let (Ok(reading), Some(ego)) = (answer, egos.get_mut(slot)) else { return };
+            let (block, lane) = (fleet.block_mut(slot), slot.lane());
+            if let Some(odometer_m) = reading.odometer_m {
+                ego.odometer_gap_m = Some(odometer_m - ego.odometer_offset_m - block.distance_m(lane));
+            }
+            if let Some(road) = reading.road.filter(|road| !road.is_empty()) {
+                let sums = block.take_sums(lane);
+                let index = roads.index(road);
+                ego.road = Some(index);
+                roads.add(index, &sums);
+            }
+        };
+        sumo.answers(asked, note).await
+    }
+}

@@ -1,0 +1,103 @@
+//! What a run leaves: a record per ego, sums by road, and counters of the whole traffic.
+
+use super::egos::Ego;
+use super::roads::Roads;
+use crate::fleet::Fleet;
+use crate::output::Reason;
+use crate::stats::VehicleStats;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
+
+/// The record of one ego, once it has ended.
+pub struct Finished {
+    /// SUMO's id.
+    pub id: Arc<str>,
+    /// vType.
+    pub type_id: String,
+    /// Index of its group.
+    pub group: usize,
+    /// Time of departure \[s\].
+    pub depart_s: f64,
+    /// End of the step in which it arrived \[s\].
+    pub arrival_s: Option<f64>,
+    /// Why the record ended.
+    pub reason: Reason,
+    /// Its statistics.
+    pub stats: VehicleStats,
+    /// ∫V_x dt \[m\].
+    pub distance_m: f64,
+    /// SUMO's odometer minus that \[m\].
+    pub odometer_gap_m: Option<f64>,
+    /// Number of pairs of colliding vehicles that it was in.
+    pub collisions: u32,
+}
+
+/// Counters of all vehicles, egos or not.
+#[derive(Debug, Clone, Default)]
+pub struct Counters {
+    /// Vehicles that departed.
+    pub departed: u64,
+    /// Vehicles that arrived.
+    pub arrived: u64,
+    /// Teleports that began.
+    pub teleports: u64,
+    /// Pairs of vehicles that collided.
+    pub collision_pairs: usize,
+    /// Departed vehicles without four wheels, by vClass.
+    pub others: BTreeMap<String, u64>,
+    /// Departed vehicles that the selectors left to SUMO.
+    pub unequipped: u64,
+    /// Departed vehicles that were to be egos but cannot be, with the reason.
+    pub refused: Vec<(String, String)>,
+}
+
+/// Records, roads and counters.
+#[derive(Default)]
+pub struct Records {
+    /// Records that have ended.
+    pub finished: Vec<Finished>,
+    /// Errors and speeds by road.
+    pub roads: Roads,
+    /// Counters.
+    pub counters: Counters,
+    pairs: HashSet<[String; 2]>,
+    collisions: HashMap<String, u32>,
+}
+
+impl Records {
+    /// Ends the record of an ego that was taken out of the table, and frees its slot.
+    pub fn end(&mut self, ego: Ego, fleet: &mut Fleet, time_s: f64, reason: Reason) {
+        let (slot, lane) = (ego.slot, ego.slot.lane());
+        let block = fleet.block_mut(slot);
+        let distance_m = block.distance_m(lane);
+        if let Some(road) = ego.road {
+            let sums = block.take_sums(lane);
+            self.roads.add(road, &sums);
+        }
+        self.finished.push(Finished {
+            collisions: self.collisions.get(&**ego.id()).copied().unwrap_or(0),
+            id: ego.object.id,
+            type_id: ego.type_id,
+            group: ego.group,
+            depart_s: ego.depart_s,
+            arrival_s: matches!(reason, Reason::Arrived | Reason::TeleportedOut).then_some(time_s),
+            reason,
+            stats: fleet.release(slot),
+            distance_m,
+            odometer_gap_m: ego.odometer_gap_m,
+        });
+    }
+
+    /// Counts the pairs of a step that have not collided before.
+    pub fn count_collisions(&mut self, pairs: &[[String; 2]]) {
+        for [a, b] in pairs {
+            let pair = if a <= b { [a.clone(), b.clone()] } else { [b.clone(), a.clone()] };
+            if self.pairs.insert(pair) {
+                self.counters.collision_pairs += 1;
+                for id in [a, b] {
+                    *self.collisions.entry(id.clone()).or_default() += 1;
+                }
+            }
+        }
+    }
+}

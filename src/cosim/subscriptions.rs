@@ -1,0 +1,146 @@
+//! What a shared SUMO reports of watched vehicles in every step. SUMO sends every client what any client has subscribed
+//! to, so that some blocks are not ours; they are told apart by vehicle and variables, not by their order.
+
+use super::error::CosimError;
+use super::question::{Gets, Object};
+use crate::traci::{Block, Value, Var};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Watched vehicles by id, with the values of the last step.
+#[derive(Default)]
+pub(super) struct Subscriptions(HashMap<Arc<str>, Watched>);
+
+struct Watched {
+    /// The first variable of the question: SUMO knows the vehicle if it tells this one.
+    first: u8,
+    /// Values by variable; `None` if the last step said nothing of the vehicle, or that it is gone.
+    values: Option<Vec<(u8, Kept)>>,
+}
+
+/// A value that outlives the reply.
+enum Kept {
+    Number(f64),
+    Integer(i32),
+    Text(String),
+}
+
+/// What a block about a vehicle is to us.
+enum SubscriptionBlock {
+    /// The values that we subscribed to.
+    Own(Vec<(u8, Kept)>),
+    /// The vehicle is not there any more.
+    Removed,
+    /// What another client subscribed to.
+    Foreign,
+}
+
+impl SubscriptionBlock {
+    fn decode(block: &Block<'_>, first: u8) -> Result<Self, CosimError> {
+        let mut values = Vec::new();
+        let mut is_own = false;
+        for entry in block.values() {
+            let (variable, value) = entry?;
+            if variable == first {
+                is_own = true;
+                if value.is_err() {
+                    return Ok(Self::Removed);
+                }
+            }
+            let kept = match value {
+                Ok(Value::Double(v)) => Kept::Number(v),
+                Ok(Value::Int(v)) => Kept::Integer(v),
+                Ok(Value::Text(v)) => Kept::Text(v.to_owned()),
+                _ => continue,
+            };
+            values.push((variable, kept));
+        }
+        Ok(if is_own { Self::Own(values) } else { Self::Foreign })
+    }
+}
+
+impl Subscriptions {
+    /// A vehicle with the first variable that it is watched for.
+    pub fn add(&mut self, vehicle: &Object, first: u8) {
+        self.0.insert(vehicle.id.clone(), Watched { first, values: None });
+    }
+
+    /// The vehicle is not watched any more.
+    pub fn remove(&mut self, id: &str) {
+        self.0.remove(id);
+    }
+
+    /// A step is over: what was known before it is old.
+    pub fn forget_values(&mut self) {
+        self.0.values_mut().for_each(|watched| watched.values = None);
+    }
+
+    /// Takes a block about a vehicle.
+    pub fn note(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
+        let Some(watched) = self.0.get_mut(block.id) else { return Ok(()) };
+        match SubscriptionBlock::decode(block, watched.first)? {
+            SubscriptionBlock::Own(values) => watched.values = Some(values),
+            SubscriptionBlock::Removed => watched.values = None,
+            SubscriptionBlock::Foreign => {}
+        }
+        Ok(())
+    }
+
+    /// What the last step said of a vehicle; `None` if it is not there any more.
+    pub fn values(&self, id: &str) -> Option<Lookup<'_>> {
+        Some(Lookup(self.0.get(id)?.values.as_deref()?))
+    }
+}
+
+/// Looks values up by their variables.
+pub(super) struct Lookup<'a>(&'a [(u8, Kept)]);
+
+impl<'a> Lookup<'a> {
+    fn find(&self, variable: u8) -> Option<&'a Kept> {
+        self.0.iter().find(|(id, _)| *id == variable).map(|(_, kept)| kept)
+    }
+}
+
+impl<'a> Gets<'a> for Lookup<'a> {
+    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
+        if let Kept::Number(v) = self.find(variable.id)? { Some(*v) } else { None }
+    }
+
+    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32> {
+        if let Kept::Integer(v) = self.find(variable.id)? { Some(*v) } else { None }
+    }
+
+    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
+        if let Kept::Text(v) = self.find(variable.id)? { Some(v) } else { None }
+    }
+
+    fn parameter<S>(&mut self, _: Var<String, S, String>, _: &str) -> Option<&'a str> {
+        None
+    }
+}
+
+/// Collects the variables of a question, to subscribe to them. (Subscriptions with parameters are not needed: no
+/// question of every step has one.)
+#[derive(Default)]
+pub(super) struct Variables(pub Vec<u8>);
+
+impl<'a> Gets<'a> for Variables {
+    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
+        self.0.push(variable.id);
+        None
+    }
+
+    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32> {
+        self.0.push(variable.id);
+        None
+    }
+
+    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
+        self.0.push(variable.id);
+        None
+    }
+
+    fn parameter<S>(&mut self, _: Var<String, S, String>, _: &str) -> Option<&'a str> {
+        None
+    }
+}

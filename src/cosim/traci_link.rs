@@ -1,0 +1,338 @@
+//! The seam over TraCI: messages of many commands, several of them under way at a time.
+//!
+//! Vehicles are asked about by gets in messages behind the step. This is cheaper for SUMO than subscriptions, but each
+//! get for a vehicle that arrived in the step is a line on SUMO's console. Where other clients share SUMO, and the console
+//! is not ours, vehicles are subscribed to, and everything is told in the message of the step.
+
+use super::error::CosimError;
+use super::events::Events;
+use super::question::{Gets, NoAnswer, Object, Question};
+use super::subscriptions::{Subscriptions, Variables};
+use super::sumo::{Joined, Sumo, Tell};
+use crate::traci::{Batch, BatchError, Block, Client, Domain, Reply, Ticket, Var, simulation, vehicle};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A SUMO that is reached over TraCI.
+pub struct TraciLink {
+    client: Client,
+    /// What SUMO is told next.
+    told: Batch,
+    /// Any other message, while it is written.
+    message: Batch,
+    /// Subscriptions, if SUMO is shared with other clients.
+    subscriptions: Option<Subscriptions>,
+    time_s: f64,
+}
+
+/// Questions under way.
+pub struct Asked<Q> {
+    /// Each with the place of the first answer in the reply.
+    questions: Vec<(Q, usize)>,
+    /// Each with its vehicle, where the answer comes from subscriptions.
+    watched: Vec<(Q, Arc<str>)>,
+    unaskable: Vec<(Q, BatchError)>,
+    ticket: Option<Ticket>,
+}
+
+impl TraciLink {
+    /// A SUMO that is connected; `shared` if other clients may be at it.
+    pub fn new(client: Client, shared: bool) -> Self {
+        Self {
+            client,
+            told: Batch::new(),
+            message: Batch::new(),
+            subscriptions: shared.then(Subscriptions::default),
+            time_s: 0.0,
+        }
+    }
+
+    /// Sends what was told. A command that SUMO declines is about a vehicle that has left, and the next answer says so.
+    fn send_told(&mut self) -> Result<(), CosimError> {
+        if !self.told.is_empty() {
+            drop(self.client.queue(&self.told)?);
+            self.told.clear();
+        }
+        Ok(())
+    }
+}
+
+impl Sumo for TraciLink {
+    type Step = Ticket;
+    type Asked<Q: Question> = Asked<Q>;
+
+    async fn join(&mut self) -> Result<Joined, CosimError> {
+        let step_s = self.client.get(simulation::STEP_LENGTH, "").await?;
+        let time_s = self.client.get(simulation::TIME, "").await?;
+        self.time_s = time_s;
+        let mut batch = Batch::new();
+        batch.subscribe(Domain::Simulation, "", &EVENTS, time_s)?;
+        let present = batch.get(vehicle::IDS, "")?;
+        let expected = batch.get(simulation::EXPECTED, "")?;
+        let reply = self.client.exchange(&batch).await?;
+        Ok(Joined { step_s, time_s, expected: reply.get(expected)?, present: reply.get(present)? })
+    }
+
+    async fn end_s(&mut self) -> Result<f64, CosimError> {
+        Ok(self.client.get(simulation::END, "").await?)
+    }
+
+    fn tell(&mut self, object: &Object, what: Tell) -> Result<(), CosimError> {
+        let (batch, Object { id, prefix }) = (&mut self.told, object);
+        match what {
+            Tell::PreviousSpeed(speed_mps, acceleration_mps2) => {
+                batch.set_previous_speed(prefix, speed_mps, acceleration_mps2)
+            }
+            Tell::Speed(speed_mps) => batch.set_speed(prefix, speed_mps),
+            Tell::ReleaseSpeed => batch.release_speed(prefix),
+            Tell::Imperfection(sigma) => batch.set(vehicle::IMPERFECTION, id, sigma),
+            Tell::Accel(accel_mps2) => batch.set(vehicle::ACCEL, id, accel_mps2),
+            Tell::Decel(decel_mps2) => batch.set(vehicle::DECEL, id, decel_mps2),
+            Tell::SpeedFactor(factor) => batch.set(vehicle::SPEED_FACTOR, id, factor),
+            Tell::SpeedMode(mode) => batch.set(vehicle::SPEED_MODE, id, mode),
+        }?;
+        Ok(())
+    }
+
+    fn watch<Q: Question>(&mut self, vehicle: &Object, question: &Q) -> Result<(), CosimError> {
+        if let Some(subscriptions) = &mut self.subscriptions {
+            let mut variables = Variables::default();
+            question.answer(&mut variables);
+            self.told.subscribe(Domain::Vehicle, &vehicle.id, &variables.0, self.time_s)?;
+            subscriptions.add(vehicle, variables.0.first().copied().unwrap_or_default());
+        }
+        Ok(())
+    }
+
+    fn unwatch(&mut self, vehicle: &Object) -> Result<(), CosimError> {
+        if let Some(subscriptions) = &mut self.subscriptions {
+            self.told.unsubscribe(Domain::Vehicle, &vehicle.id)?;
+            subscriptions.remove(&vehicle.id);
+        }
+        Ok(())
+    }
+
+    async fn hand_over(&mut self) -> Result<(), CosimError> {
+        if self.subscriptions.is_none() {
+            self.send_told()?;
+        }
+        Ok(self.client.flush().await?)
+    }
+
+    async fn step(&mut self) -> Result<Ticket, CosimError> {
+        if self.subscriptions.is_some() {
+            // In a message of its own: SUMO sends the answers to whatever stands before a step in the same message to
+            // the client that it serves next.
+            self.send_told()?;
+        }
+        self.told.step()?;
+        let ticket = self.client.queue(&self.told)?;
+        self.told.clear();
+        self.client.flush().await?;
+        Ok(ticket)
+    }
+
+    async fn events(&mut self, step: Ticket, events: &mut Events) -> Result<(), CosimError> {
+        events.clear();
+        let reply = self.client.receive(step).await?;
+        if let Some(subscriptions) = &mut self.subscriptions {
+            subscriptions.forget_values();
+        }
+        for block in reply.blocks() {
+            let block = block?;
+            match (block.domain, &mut self.subscriptions) {
+                (Some(Domain::Simulation), _) => note_events(&block, events)?,
+                (Some(Domain::Vehicle), Some(subscriptions)) => subscriptions.note(&block)?,
+                _ => {}
+            }
+        }
+        self.time_s = events.time_s;
+        if events.colliding {
+            let collisions = self.client.get(simulation::COLLISIONS, "").await?;
+            events.collisions = collisions.into_iter().map(|c| [c.collider, c.victim]).collect();
+        }
+        Ok(())
+    }
+
+    fn ask<'o, Q: Question>(
+        &mut self,
+        questions: impl Iterator<Item = (&'o Object, Q)>,
+    ) -> Result<Asked<Q>, CosimError> {
+        let mut asked = Asked { questions: Vec::new(), watched: Vec::new(), unaskable: Vec::new(), ticket: None };
+        if Q::EVERY_STEP && self.subscriptions.is_some() {
+            asked.watched = questions.map(|(object, question)| (question, object.id.clone())).collect();
+            return Ok(asked);
+        }
+        self.message.clear();
+        for (object, question) in questions {
+            let first = self.message.len();
+            let mut writer = Writer { batch: &mut self.message, object, failed: None };
+            question.answer(&mut writer);
+            match writer.failed {
+                None => asked.questions.push((question, first)),
+                // What was asked of it so far is answered and left unread.
+                Some(error) => asked.unaskable.push((question, error)),
+            }
+        }
+        if !self.message.is_empty() {
+            asked.ticket = Some(self.client.queue(&self.message)?);
+        }
+        Ok(asked)
+    }
+
+    async fn answers<Q: Question>(
+        &mut self,
+        asked: Asked<Q>,
+        mut each: impl for<'a> FnMut(Q, Result<Q::Answer<'a>, NoAnswer>),
+    ) -> Result<(), CosimError> {
+        for (question, error) in asked.unaskable {
+            each(question, Err(NoAnswer::Unaskable(error)));
+        }
+        if let Some(ticket) = asked.ticket {
+            let reply = self.client.receive(ticket).await?;
+            for (question, first) in asked.questions {
+                let answer = match reply.refusal(first) {
+                    Some(_) => Err(NoAnswer::Gone),
+                    None => Ok(question.answer(&mut Reader { reply, next: first })),
+                };
+                each(question, answer);
+            }
+        }
+        for (question, id) in asked.watched {
+            let Some(subscriptions) = &mut self.subscriptions else { continue };
+            match subscriptions.values(&id) {
+                Some(mut values) => each(question, Ok(question.answer(&mut values))),
+                None => {
+                    subscriptions.remove(&id);
+                    each(question, Err(NoAnswer::Gone));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    async fn leave(&mut self) -> Result<(), CosimError> {
+        self.told.unsubscribe(Domain::Simulation, "")?;
+        self.client.exchange(&self.told).await?;
+        self.told.clear();
+        Ok(())
+    }
+
+    async fn close(self) -> Result<(), CosimError> {
+        Ok(self.client.close().await?)
+    }
+
+    fn waited(&self) -> Duration {
+        self.client.waited()
+    }
+}
+
+/// Variables of the simulation that report events.
+const EVENTS: [u8; 6] = [
+    simulation::TIME.id,
+    simulation::DEPARTED.id,
+    simulation::ARRIVED.id,
+    simulation::TELEPORT_START.id,
+    simulation::COLLIDING.id,
+    simulation::EXPECTED.id,
+];
+
+/// Reads a block about the simulation. SUMO sends every client what any client has subscribed to: of what comes twice
+/// the last stays, what is not here comes in another block.
+fn note_events(block: &Block<'_>, events: &mut Events) -> Result<(), CosimError> {
+    for entry in block.values() {
+        let (id, Ok(value)) = entry? else { continue };
+        let list = if id == simulation::DEPARTED.id {
+            &mut events.departed
+        } else if id == simulation::ARRIVED.id {
+            &mut events.arrived
+        } else if id == simulation::TELEPORT_START.id {
+            &mut events.teleported
+        } else {
+            if id == simulation::TIME.id {
+                events.time_s = value.as_f64().unwrap_or(events.time_s);
+            } else if id == simulation::EXPECTED.id {
+                events.expected = value.as_i32().unwrap_or(events.expected);
+            } else if id == simulation::COLLIDING.id {
+                events.colliding = value.as_texts().into_iter().flatten().count() > 0;
+            }
+            continue;
+        };
+        list.clear();
+        list.extend(value.as_texts().into_iter().flatten().map(str::to_owned));
+    }
+    Ok(())
+}
+
+/// Writes the gets of a question; there are no values yet.
+struct Writer<'b> {
+    batch: &'b mut Batch,
+    object: &'b Object,
+    failed: Option<BatchError>,
+}
+
+impl Writer<'_> {
+    fn note<V, A>(&mut self, written: Result<V, BatchError>) -> Option<A> {
+        if let Err(error) = written {
+            self.failed.get_or_insert(error);
+        }
+        None
+    }
+}
+
+impl<'a> Gets<'a> for Writer<'_> {
+    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
+        let written = self.batch.get_by_prefix(variable, &self.object.prefix);
+        self.note(written)
+    }
+
+    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32> {
+        let written = self.batch.get_by_prefix(variable, &self.object.prefix);
+        self.note(written)
+    }
+
+    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
+        let written = self.batch.get_by_prefix(variable, &self.object.prefix);
+        self.note(written)
+    }
+
+    fn parameter<S>(&mut self, variable: Var<String, S, String>, key: &str) -> Option<&'a str> {
+        let written = self.batch.get_with(variable, &self.object.id, key);
+        self.note(written)
+    }
+}
+
+/// Reads the answers to gets in their order.
+struct Reader<'a> {
+    reply: Reply<'a>,
+    next: usize,
+}
+
+impl Reader<'_> {
+    fn place(&mut self) -> usize {
+        self.next += 1;
+        self.next - 1
+    }
+}
+
+impl<'a> Gets<'a> for Reader<'a> {
+    fn number<S>(&mut self, _: Var<f64, S>) -> Option<f64> {
+        let place = self.place();
+        self.reply.f64(place)
+    }
+
+    fn integer<S>(&mut self, _: Var<i32, S>) -> Option<i32> {
+        let place = self.place();
+        self.reply.value(place).ok()??.as_i32()
+    }
+
+    fn text<S>(&mut self, _: Var<String, S>) -> Option<&'a str> {
+        let place = self.place();
+        self.reply.text(place)
+    }
+
+    fn parameter<S>(&mut self, _: Var<String, S, String>, _: &str) -> Option<&'a str> {
+        let place = self.place();
+        self.reply.text(place)
+    }
+}

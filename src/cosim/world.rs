@@ -1,0 +1,455 @@
+//! Fleet and SUMO, stepping together. [`World::step`] is one SUMO step from its beginning to its end; everything that it
+//! calls stands in a file of its own.
+
+use super::admission::{Admission, Newcomer, Rules, VehicleQuestion, Wanted};
+use super::body_leads::BodyLeads;
+use super::egos::{Ego, EgoTable, Presence};
+use super::error::CosimError;
+use super::events::Events;
+use super::leader::Leader;
+use super::observation::EgoQuestion;
+use super::question::NoAnswer;
+use super::readings::Readings;
+use super::records::{Finished, Records};
+use super::sumo::{Sumo, Tell};
+use super::traci_link::TraciLink;
+use crate::fleet::block::Block;
+use crate::fleet::follow::Follow;
+use crate::fleet::{Fleet, FleetTime, GroupSetup, LoopConfig, Slot};
+use crate::output::Reason;
+use crate::reference::Target;
+use crate::traci::Client;
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Blocks of the fleet in one chunk: enough work to be worth two messages of its own.
+const BLOCKS_PER_CHUNK: usize = 16;
+
+/// What a world is made of.
+pub struct WorldSetup {
+    /// Who becomes an ego, and what of.
+    pub rules: Rules,
+    /// The target of each group.
+    pub targets: Vec<Target>,
+    /// How each group's blocks are made.
+    pub blocks: Vec<GroupSetup>,
+    /// Plant, control period, bound of the reference.
+    pub loop_config: LoopConfig,
+    /// Bodies feel the slope of SUMO's road.
+    pub grade: bool,
+    /// Driver imperfection given to every ego, if any.
+    pub sigma: Option<f64>,
+    /// True if other clients may be at this SUMO.
+    pub shared: bool,
+}
+
+/// Fleet and SUMO, stepping together.
+pub struct World<S = TraciLink> {
+    sumo: S,
+    fleet: Fleet,
+    egos: EgoTable,
+    events: Events,
+    admission: Admission,
+    body_leads: BodyLeads,
+    readings: Readings,
+    records: Records,
+    /// Egos that got a body since [`World::take_admitted`].
+    admitted: Vec<Arc<str>>,
+    /// Egos that SUMO has not been told of yet.
+    newcomers: Vec<Slot>,
+    /// Egos that SUMO did not know any more.
+    lost: Vec<Slot>,
+    grade: bool,
+    sigma: Option<f64>,
+    step_s: f64,
+    /// Control periods in a step.
+    periods: u32,
+    steps: u64,
+}
+
+impl World {
+    /// Joins SUMO over TraCI, and finds the vehicles that are there.
+    ///
+    /// # Errors
+    /// If SUMO does not answer, or its step is not a whole number of control periods.
+    pub async fn join(client: Client, setup: WorldSetup) -> Result<Self, CosimError> {
+        let link = TraciLink::new(client, setup.shared);
+        Self::over(link, setup).await
+    }
+}
+
+impl<S: Sumo> World<S> {
+    /// The same over any implementation of the seam.
+    ///
+    /// # Errors
+    /// As [`World::join`].
+    pub async fn over(mut sumo: S, setup: WorldSetup) -> Result<Self, CosimError> {
+        let joined = sumo.join().await?;
+        let (step_s, period_s) = (joined.step_s, setup.loop_config.period_s);
+        let periods = (step_s / period_s).round();
+        if periods < 1.0 || (periods * period_s - step_s).abs() > 1e-9 {
+            return Err(CosimError::Step { step_s, period_s });
+        }
+        let body_leads = BodyLeads::new(setup.targets);
+        let wanted = Wanted { before: body_leads.anywhere(), imperfection: setup.sigma.is_some() };
+        let mut admission = Admission::new(setup.rules, wanted);
+        admission.wait(joined.present);
+        Ok(Self {
+            sumo,
+            fleet: Fleet::new(setup.loop_config, setup.blocks),
+            egos: EgoTable::default(),
+            events: Events { time_s: joined.time_s, expected: joined.expected, ..Events::default() },
+            admission,
+            body_leads,
+            readings: Readings::every_second(step_s),
+            records: Records::default(),
+            admitted: Vec::new(),
+            newcomers: Vec::new(),
+            lost: Vec::new(),
+            grade: setup.grade,
+            sigma: setup.sigma,
+            step_s,
+            periods: periods as u32,
+            steps: 0,
+        })
+    }
+
+    /// One SUMO step.
+    ///
+    /// # Errors
+    /// If SUMO ends, answers nonsense, or a newcomer's parameters are wrong.
+    pub async fn step(&mut self) -> Result<(), CosimError> {
+        self.admit_newcomers().await?;
+        self.body_leads.learn_limits(&mut self.sumo, &mut self.egos).await?;
+        self.body_leads.advance(&mut self.fleet, &mut self.egos, self.periods);
+        self.tell_before_step()?;
+        let step = self.sumo.step().await?;
+        // SUMO is stepping from here on, and answers these questions after it.
+        let mut chunks = self.ask_egos()?;
+        self.sumo.events(step, &mut self.events).await?;
+        self.steps += 1;
+        self.lost.clear();
+        // In a collision or a teleport vehicles of other chunks matter: then all answers are heard before any body drives.
+        if !self.events.is_quiet() {
+            for chunk in &mut chunks {
+                self.hear(chunk).await?;
+            }
+        }
+        // Before records end: they tell in how many collisions their vehicle was.
+        self.records.count_collisions(&self.events.collisions);
+        self.settle_departures_and_arrivals();
+        self.settle_teleports();
+        let departed = self.admission.ask(&mut self.sumo, &mut self.records.counters)?;
+        let readings = self.readings.ask_if_due(self.steps, &mut self.sumo, &self.egos)?;
+        for (place, chunk) in chunks.iter_mut().enumerate() {
+            self.hear(chunk).await?;
+            self.end_lost();
+            self.drive(place, &chunk.members);
+            self.tell(&chunk.members).await?;
+        }
+        self.admission.hear(&mut self.sumo, departed, &mut self.records.counters).await?;
+        self.readings.hear(readings, &mut self.sumo, &mut self.egos, &mut self.fleet, &mut self.records.roads).await
+    }
+
+    /// Gives a slot and a body to every vehicle that has departed and is to be an ego.
+    async fn admit_newcomers(&mut self) -> Result<(), CosimError> {
+        for Newcomer { departed, group, setup } in
+            self.admission.decide(&mut self.sumo, &mut self.records.counters).await?
+        {
+            let speed_mps = setup.speed_mps;
+            let slot = self.fleet.admit(group, setup);
+            let leader = departed.before.filter(|_| self.body_leads.in_group(group));
+            let leader = leader.map(|(before, lane)| {
+                self.body_leads.limits.note_unknown(&lane);
+                Leader::new(before, lane, speed_mps)
+            });
+            self.admitted.push(departed.object.id.clone());
+            self.newcomers.push(slot);
+            self.egos.insert(Ego {
+                object: departed.object,
+                type_id: departed.type_id,
+                group,
+                slot,
+                // It was inserted at the end of the step before the one that it will move in.
+                depart_s: self.events.time_s - if self.steps > 0 { self.step_s } else { 0.0 },
+                presence: Presence::Driving,
+                teleported: false,
+                odometer_offset_m: departed.odometer_m,
+                odometer_gap_m: None,
+                road: None,
+                leader,
+                imperfection_before: departed.imperfection,
+            });
+        }
+        Ok(())
+    }
+
+    /// Tells SUMO what it must know before the step: what changes on newcomers, their speeds, and the commands of the
+    /// bodies that lead. All other speeds were told after the last step.
+    fn tell_before_step(&mut self) -> Result<(), CosimError> {
+        let newcomers = std::mem::take(&mut self.newcomers);
+        let new = || newcomers.iter().filter_map(|slot| self.egos.get(*slot));
+        for ego in new() {
+            if let (Some(sigma), Some(_)) = (self.sigma, ego.imperfection_before) {
+                self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
+            }
+            if let Some(leader) = &ego.leader {
+                let limits_mps2 = self.fleet.block(ego.slot).acceleration_limits_mps2(ego.slot.lane());
+                leader.take_over(&mut self.sumo, &ego.object, limits_mps2)?;
+            }
+        }
+        for ego in new() {
+            if ego.leader.is_none() {
+                self.sumo.tell(&ego.object, self.speed_of(ego))?;
+            }
+            self.sumo.watch(&ego.object, &EgoQuestion::whole(ego, self.grade))?;
+        }
+        if self.body_leads.anywhere() {
+            for ego in self.egos.iter().filter(|ego| ego.presence == Presence::Driving) {
+                if let Some(leader) = &ego.leader {
+                    self.sumo.tell(&ego.object, leader.command())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The body's speed and mean acceleration over the last step.
+    fn speed_of(&self, ego: &Ego) -> Tell {
+        let (block, lane) = (self.fleet.block(ego.slot), ego.slot.lane());
+        Tell::PreviousSpeed(block.speed_mps(lane), block.acceleration_mps2(lane))
+    }
+
+    /// Asks about every ego, chunk by chunk.
+    fn ask_egos(&mut self) -> Result<Vec<Chunk<S>>, CosimError> {
+        let mut chunks: Vec<Chunk<S>> = Vec::new();
+        for slot in self.egos.slots() {
+            let place = slot.block() / BLOCKS_PER_CHUNK;
+            if place >= chunks.len() {
+                chunks.resize_with(place + 1, Chunk::default);
+            }
+            chunks[place].members.push(slot);
+        }
+        for chunk in &mut chunks {
+            let egos = chunk.members.iter().filter_map(|slot| self.egos.get(*slot));
+            let questions =
+                egos.map(|ego| (&ego.object, EgoQuestion::now(ego, self.fleet.block(ego.slot), self.grade)));
+            chunk.asked = Some(self.sumo.ask(questions)?);
+        }
+        Ok(chunks)
+    }
+
+    /// Takes what SUMO shows of a chunk, unless that was done before.
+    async fn hear(&mut self, chunk: &mut Chunk<S>) -> Result<(), CosimError> {
+        let Some(asked) = chunk.asked.take() else { return Ok(()) };
+        let Self { egos, fleet, lost, body_leads, step_s, .. } = self;
+        self.sumo
+            .answers(asked, |EgoQuestion { slot, .. }, answer| match (answer, egos.get_mut(slot)) {
+                (Ok(seen), Some(ego)) => seen.apply(ego, fleet.block_mut(slot), &mut body_leads.limits, *step_s),
+                (Err(NoAnswer::Gone), Some(_)) => lost.push(slot),
+                // Its record has ended.
+                (_, None) | (Err(NoAnswer::Unaskable(_)), _) => {}
+            })
+            .await
+    }
+
+    /// Counts departures, arrivals and teleports, and ends the records of egos that arrived.
+    fn settle_departures_and_arrivals(&mut self) {
+        let counters = &mut self.records.counters;
+        counters.departed += self.events.departed.len() as u64;
+        counters.arrived += self.events.arrived.len() as u64;
+        counters.teleports += self.events.teleported.len() as u64;
+        for id in &self.events.teleported {
+            if let Some(ego) = self.egos.find_mut(id) {
+                ego.teleported = true;
+            }
+        }
+        self.admission.wait(self.events.departed.drain(..));
+        for id in std::mem::take(&mut self.events.arrived) {
+            self.admission.forget(&id);
+            if let Some(ego) = self.egos.find(&id) {
+                let reason = match ego.presence {
+                    Presence::Driving => Reason::Arrived,
+                    Presence::Teleporting if ego.teleported => Reason::TeleportedOut,
+                    // Off the road, and not by a teleport: somebody (a calibrator, say) took it out.
+                    Presence::Teleporting => Reason::Removed,
+                };
+                self.end(ego.slot, reason);
+            }
+        }
+    }
+
+    /// Vehicles that were carried and put down within the step: another place, another speed.
+    fn settle_teleports(&mut self) {
+        for ego in self.events.teleported.iter().filter_map(|id| self.egos.find(id)) {
+            if ego.presence == Presence::Driving {
+                let (block, lane) = (self.fleet.block_mut(ego.slot), ego.slot.lane());
+                let speed_mps = block.sumo_mps(lane);
+                block.appear(lane, speed_mps);
+            }
+        }
+    }
+
+    fn end_lost(&mut self) {
+        while let Some(slot) = self.lost.pop() {
+            self.end(slot, Reason::Removed);
+        }
+    }
+
+    /// The bodies of a chunk drive the step that SUMO has just done, towards the speeds that it chose.
+    fn drive(&mut self, place: usize, members: &[Slot]) {
+        let blocks: Range<usize> = place * BLOCKS_PER_CHUNK..(place + 1) * BLOCKS_PER_CHUNK;
+        let body_leads = &self.body_leads;
+        let follows = |block: &Block| !body_leads.in_group(block.group());
+        self.fleet.advance_among(blocks.clone(), self.periods, follows, Follow::Traffic);
+        self.fleet.close_step_among(blocks);
+        for slot in members {
+            if self.egos.get(*slot).is_some() && !self.fleet.block(*slot).is_sound(slot.lane()) {
+                self.end(*slot, Reason::Diverged);
+            }
+        }
+    }
+
+    /// Tells SUMO the speeds of a chunk's bodies, so that it takes them while the next chunk drives. A body that stood
+    /// all through the step, as SUMO's car did, has nothing to tell.
+    async fn tell(&mut self, members: &[Slot]) -> Result<(), CosimError> {
+        let egos = members.iter().filter_map(|slot| self.egos.get(*slot));
+        for ego in egos.filter(|ego| ego.leader.is_none() && ego.presence == Presence::Driving) {
+            if !self.fleet.block(ego.slot).rests(ego.slot.lane()) {
+                self.sumo.tell(&ego.object, self.speed_of(ego))?;
+            }
+        }
+        self.sumo.hand_over().await
+    }
+
+    fn end(&mut self, slot: Slot, reason: Reason) {
+        if let Some(ego) = self.egos.remove(slot) {
+            self.records.end(ego, &mut self.fleet, self.events.time_s, reason);
+        }
+    }
+
+    /// Ends every record: the run is over.
+    pub fn end_all(&mut self, reason: Reason) {
+        for slot in self.egos.slots().collect::<Vec<_>>() {
+            self.end(slot, reason);
+        }
+    }
+
+    /// Reads odometers and roads once more, gives every vehicle back to SUMO as it was, and ends all records.
+    ///
+    /// # Errors
+    /// If SUMO has ended.
+    pub async fn hand_back(&mut self) -> Result<(), CosimError> {
+        // Who departed in the last step has a record too, without samples.
+        self.admit_newcomers().await?;
+        let readings = self.readings.ask(&mut self.sumo, &self.egos)?;
+        self.readings
+            .hear(Some(readings), &mut self.sumo, &mut self.egos, &mut self.fleet, &mut self.records.roads)
+            .await?;
+        for ego in self.egos.iter() {
+            if let Some(sigma) = ego.imperfection_before {
+                self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
+            }
+            if let Some(leader) = &ego.leader {
+                leader.hand_back(&mut self.sumo, &ego.object)?;
+            }
+            self.sumo.unwatch(&ego.object)?;
+        }
+        self.sumo.leave().await?;
+        self.end_all(Reason::Running);
+        Ok(())
+    }
+
+    /// Leaves SUMO. What was computed comes back also if SUMO does not answer.
+    pub async fn close(self) -> (Records, Result<(), CosimError>) {
+        (self.records, self.sumo.close().await)
+    }
+
+    /// What is known when SUMO cannot be left in order any more.
+    pub fn into_records(mut self) -> Records {
+        self.end_all(Reason::Incomplete);
+        self.records
+    }
+
+    /// The end that SUMO's configuration asks for \[s\]; negative without one.
+    ///
+    /// # Errors
+    /// If SUMO does not answer.
+    pub async fn end_s(&mut self) -> Result<f64, CosimError> {
+        self.sumo.end_s().await
+    }
+
+    /// Simulation time at the end of the last step \[s\].
+    pub fn time_s(&self) -> f64 {
+        self.events.time_s
+    }
+
+    /// SUMO's step \[s\].
+    pub fn step_s(&self) -> f64 {
+        self.step_s
+    }
+
+    /// Number of vehicles that are on the road or still to come.
+    pub fn expected(&self) -> i32 {
+        self.events.expected
+    }
+
+    /// Records that have ended, sums by road, and counters.
+    pub fn records(&self) -> &Records {
+        &self.records
+    }
+
+    /// Takes the records that have ended since they were last taken.
+    pub fn take_finished(&mut self) -> Vec<Finished> {
+        std::mem::take(&mut self.records.finished)
+    }
+
+    /// Takes the ids of the egos that got a body since they were last taken.
+    pub fn take_admitted(&mut self) -> Vec<Arc<str>> {
+        std::mem::take(&mut self.admitted)
+    }
+
+    /// SUMO itself, to be asked for more between the steps.
+    pub fn sumo_mut(&mut self) -> &mut S {
+        &mut self.sumo
+    }
+
+    /// The egos, in the order of their admission.
+    pub fn egos(&self) -> &EgoTable {
+        &self.egos
+    }
+
+    /// The egos that are on the road, in the order of their admission, with the blocks of their slots.
+    pub fn driving(&self) -> impl Iterator<Item = (&Ego, &Block)> {
+        let egos = self.egos.iter().filter(|ego| ego.presence == Presence::Driving);
+        egos.map(|ego| (ego, self.fleet.block(ego.slot)))
+    }
+
+    /// From now on notes where the fleet's time goes, [`World::fleet_time`].
+    pub fn time_fleet(&mut self) {
+        self.fleet.time_yourself();
+    }
+
+    /// Where the fleet's time went.
+    pub fn fleet_time(&self) -> FleetTime {
+        self.fleet.time_spent()
+    }
+
+    /// Time spent waiting for SUMO so far.
+    pub fn waited(&self) -> Duration {
+        self.sumo.waited()
+    }
+}
+
+/// The egos of neighbouring blocks. While SUMO looks up the values of one chunk, the bodies of the chunk before it drive.
+struct Chunk<S: Sumo> {
+    members: Vec<Slot>,
+    asked: Option<S::Asked<EgoQuestion>>,
+}
+
+impl<S: Sumo> Default for Chunk<S> {
+    fn default() -> Self {
+        Self { members: Vec::new(), asked: None }
+    }
+}
