@@ -68,7 +68,12 @@ impl Leader {
     }
 
     /// Changes the vehicle so that its body can lead.
-    pub fn take_over(&self, sumo: &mut impl Sumo, vehicle: &Object, body_limits_mps2: [f64; 2]) -> Result<(), CosimError> {
+    pub fn take_over(
+        &self,
+        sumo: &mut impl Sumo,
+        vehicle: &Object,
+        body_limits_mps2: [f64; 2],
+    ) -> Result<(), CosimError> {
         let [drive_mps2, brake_mps2] = body_limits_mps2;
         sumo.tell(vehicle, Tell::Accel(self.before.accel_mps2.max(drive_mps2)))?;
         sumo.tell(vehicle, Tell::Decel(self.before.decel_mps2.max(brake_mps2)))?;

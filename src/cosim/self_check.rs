@@ -81,7 +81,14 @@ pub async fn examine(sumo: impl Sumo, setup: WorldSetup) -> Result<Vec<Check>, C
                 continue;
             };
             let Body { speed_mps, distance_m, sumo_mps } = after;
-            egos[i].push(Moment { time_s, before_mps: before.speed_mps, believed_mps, sumo_mps, speed_mps, distance_m });
+            egos[i].push(Moment {
+                time_s,
+                before_mps: before.speed_mps,
+                believed_mps,
+                sumo_mps,
+                speed_mps,
+                distance_m,
+            });
         }
         // Not there before its departure: then it has no speed.
         if let [Some(speed_mps)] = sumo_speeds_mps(&mut world, &objects[EGOS.len()..]).await?[..] {
@@ -127,11 +134,7 @@ struct Body {
 fn body<S: Sumo>(world: &World<S>, id: &str) -> Option<Body> {
     let (ego, block) = world.driving().find(|(ego, _)| &**ego.id() == id)?;
     let lane = ego.slot.lane();
-    Some(Body {
-        speed_mps: block.speed_mps(lane),
-        distance_m: block.distance_m(lane),
-        sumo_mps: block.sumo_mps(lane),
-    })
+    Some(Body { speed_mps: block.speed_mps(lane), distance_m: block.distance_m(lane), sumo_mps: block.sumo_mps(lane) })
 }
 
 /// The first time after `from_s` at which the compared speed is reached \[s\].

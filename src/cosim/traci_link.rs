@@ -201,7 +201,10 @@ impl Sumo for TraciLink {
         for (question, id) in asked.watched {
             let Some(subscriptions) = &mut self.subscriptions else { continue };
             match subscriptions.values(&id) {
-                Some(mut values) => each(question, Ok(question.answer(&mut values))),
+                Some(mut values) => {
+                    let answer = question.answer(&mut values);
+                    each(question, Ok(answer));
+                }
                 None => {
                     subscriptions.remove(&id);
                     each(question, Err(NoAnswer::Gone));

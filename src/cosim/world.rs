@@ -1,7 +1,7 @@
 //! Fleet and SUMO, stepping together. [`World::step`] is one SUMO step from its beginning to its end; everything that it
 //! calls stands in a file of its own.
 
-use super::admission::{Admission, Newcomer, Rules, VehicleQuestion, Wanted};
+use super::admission::{Admission, Newcomer, Rules, Wanted};
 use super::body_leads::BodyLeads;
 use super::egos::{Ego, EgoTable, Presence};
 use super::error::CosimError;

@@ -233,8 +233,7 @@ impl Client {
         self.outbox.extend_from_slice(batch.bytes());
         self.commands.extend(batch.expected());
         let ticket = Ticket(Arc::new(()));
-        let pending =
-            Pending { ticket: Arc::downgrade(&ticket.0), commands: batch.len(), state: Answer::UnderWay };
+        let pending = Pending { ticket: Arc::downgrade(&ticket.0), commands: batch.len(), state: Answer::UnderWay };
         self.pending.push_back(pending);
         Ok(ticket)
     }
