@@ -7,13 +7,13 @@
 //!    [`crate::fleet::block`]). The speed that they reach is sent at once.
 //!
 //! The egos go through 2 and 3 in chunks: SUMO looks up and takes the values of one chunk while the bodies of another
-//! drive. Nothing waits for SUMO but the step itself. [`world`] has these steps in order.
+//! drive. Nothing waits for SUMO but the step itself. `world.rs` has these steps in order.
 //!
 //! The two loops that come to mind first do not work. Commanding `setSpeed` with a speed derived from SUMO's "speed
 //! without TraCI" freezes every car, because SUMO bounds that value by the command itself. Handing v* to the controller as
 //! a step makes cars creep, because v* is never more than a·dt ahead.
 //!
-//! With the targets `limit` and `profile` the body runs first and leads, and SUMO is told `setSpeed` ([`body_leads`]).
+//! With the targets `limit` and `profile` the body runs first and leads, and SUMO is told `setSpeed` (`body_leads.rs`).
 //!
 //! SUMO itself is behind a small trait, [`Sumo`].
 
