@@ -12,6 +12,7 @@ mod include;
 mod options;
 mod path;
 mod redirect;
+mod settings;
 mod setup;
 mod statistics;
 mod tripinfo;
@@ -19,7 +20,7 @@ mod xml;
 
 pub(crate) use arguments::ours;
 pub use arguments::{SumoCommand, sumo_arguments};
-pub(crate) use demand::Demand;
+pub(crate) use demand::{Demand, LeftOpen};
 pub use equipped::Equipped;
 pub use error::SumoFileError;
 pub(crate) use path::{absolute, environment};

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     keys::{Key, Kind},
     registry::UnknownName,
-    sumo_files::{Demand, Source, SumoFileError, SumoSetup, absolute, is_xml, ours},
+    sumo_files::{Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, is_xml, ours},
 };
 
 /// The sections of a scenario file.
@@ -71,8 +71,10 @@ pub(super) fn load(request: &Request, catalog: &Catalog, offline: bool) -> Resul
     known("", &root, SECTIONS)?;
     let mut scenario = resolve(request, &root, catalog, offline)?;
     scenario.inputs.splice(0..0, request.scenario.iter().map(|p| absolute(Path::new(""), p)));
-    let routes = section(&root, "sumo", "sumo")?.get("routes").map(|entry| entry.place.clone());
-    let demand = Demand::check(&scenario.sumo, routes)?;
+    let sumo = section(&root, "sumo", "sumo")?;
+    let routes = sumo.get("routes").map(|entry| entry.place.clone());
+    let open = LeftOpen { seed: !sumo.contains_key("seed"), ballistic: !sumo.contains_key("ballistic") };
+    let demand = Demand::check(&mut scenario.sumo, open, routes, sumo.get("end_s").map(|entry| entry.place.clone()))?;
     scenario.inputs.extend(demand.inputs);
     scenario.notes.extend(demand.notes);
     let mut seen = std::collections::BTreeSet::new();

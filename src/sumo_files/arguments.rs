@@ -8,9 +8,10 @@ use std::{
 use super::{
     configuration::Configuration,
     error::SumoFileError,
-    options::{given, list, writes},
+    options::{given, list, without, writes},
     path::absolute,
     redirect::{Redirect, is_no_file},
+    settings::Settings,
     setup::{Source, SumoSetup},
 };
 
@@ -48,27 +49,34 @@ pub struct SumoCommand {
 /// A file that cannot be read or written.
 pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, SumoFileError> {
     let folder = absolute(Path::new(""), &out_dir.join("sumo"));
-    let mut line = Line { arguments: Vec::new(), given: given(&setup.options) };
+    let settings = Settings::read(setup)?;
+    let mut options = setup.options.clone();
+    let mut line = Line { arguments: Vec::new(), given: settings.given.clone() };
     let mut redirect = Redirect::new(&folder);
     let mut outputs = BTreeMap::new();
     match &setup.source {
         Source::Running | Source::Offline => {}
-        Source::Config(path) => {
-            line.push("configuration-file", &path.to_string_lossy());
-            outputs = configured(&mut line, path, &mut redirect)?;
+        Source::Config(path) => line.push("configuration-file", &path.to_string_lossy()),
+        Source::Network { net, .. } => line.push("net-file", &net.to_string_lossy()),
+    }
+    if let Some(configuration) = &settings.configuration {
+        outputs = configured(&mut line, configuration, &mut redirect);
+    }
+    for option in ["route-files", "additional-files"] {
+        let files = settings.files(option);
+        let copies = redirect.all_loaded(&files)?;
+        if copies != files && line.given.remove(option).is_some() {
+            options = without(&options, option);
         }
-        Source::Network { net, routes, additional } => {
-            line.push("net-file", &net.to_string_lossy());
-            for (option, files) in [("route-files", routes), ("additional-files", additional)] {
-                line.push_list(option, &redirect.all_loaded(files)?);
-            }
+        if copies != files || settings.configuration.is_none() {
+            line.push_list(option, &copies);
         }
     }
     line.push("step-length", &setup.step_length_s.to_string());
     line.push("seed", &setup.seed.to_string());
     line.push("random", "false");
     line.push("step-method.ballistic", &setup.ballistic.to_string());
-    if setup.num_clients > 1 {
+    if setup.num_clients > 1 || settings.value("num-clients").is_some() {
         line.push("num-clients", &setup.num_clients.to_string());
     }
     line.push("no-step-log", "true");
@@ -93,18 +101,13 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
         line.push("tripinfo-output.write-unfinished", "true");
     }
     let mut arguments = line.arguments;
-    arguments.extend(setup.options.iter().cloned());
+    arguments.extend(options);
     Ok(SumoCommand { arguments, statistics, tripinfo, log })
 }
 
 /// Redirects what a configuration writes. Returns where its outputs go, by option.
-fn configured(
-    line: &mut Line,
-    path: &Path,
-    redirect: &mut Redirect,
-) -> Result<BTreeMap<String, PathBuf>, SumoFileError> {
-    let configuration = Configuration::read(path)?;
-    let home = configuration.origin.folder.clone();
+fn configured(line: &mut Line, configuration: &Configuration, redirect: &mut Redirect) -> BTreeMap<String, PathBuf> {
+    let home = &configuration.origin.folder;
     redirect.take_prefix(configuration.value("output-prefix").unwrap_or_default());
     let mut outputs = BTreeMap::new();
     for option in ["output-prefix", "output-suffix"] {
@@ -116,22 +119,15 @@ fn configured(
         if outputs.contains_key(&setting.name) {
             continue;
         }
-        let targets: Vec<String> = list(&setting.value).map(|f| redirect.target(&home, f)).collect();
+        let targets: Vec<String> = list(&setting.value).map(|f| redirect.target(home, f)).collect();
         line.push(&setting.name, &targets.join(","));
         outputs.insert(setting.name.clone(), PathBuf::from(targets.join(",")));
     }
     let saves = ["save-state.times", "save-state.period"].iter().any(|o| configuration.get(o).is_some());
     if saves && !outputs.contains_key("save-state.prefix") {
-        line.push("save-state.prefix", &redirect.target(&home, "state"));
+        line.push("save-state.prefix", &redirect.target(home, "state"));
     }
-    for option in ["route-files", "additional-files"] {
-        let files = configuration.files(option);
-        let copies = redirect.all_loaded(&files)?;
-        if copies != files {
-            line.push_list(option, &copies);
-        }
-    }
-    Ok(outputs)
+    outputs
 }
 
 /// The first of the user's options that is not the user's to give, with what to use instead.

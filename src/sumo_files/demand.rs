@@ -7,13 +7,14 @@ use std::{
 };
 
 use super::{
-    configuration::Configuration,
     error::SumoFileError,
     include::Files,
-    options::{INPUTS, given, is_true, list},
+    options::INPUTS,
     path::absolute,
     redirect::writes_file,
+    settings::Settings,
     setup::{Source, SumoSetup},
+    xml::Element,
 };
 use crate::place::Place;
 
@@ -27,61 +28,84 @@ pub(crate) struct Demand {
     pub inputs: Vec<PathBuf>,
     /// What the user should be told.
     pub notes: Vec<String>,
+    /// The first vType that moves by SUMO's train model.
+    train: Option<String>,
+}
+
+/// What the scenario leaves to the configuration.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LeftOpen {
+    /// SUMO's seed.
+    pub seed: bool,
+    /// The stepping method.
+    pub ballistic: bool,
 }
 
 impl Demand {
-    /// Checks the inputs of SUMO; `routes` is where the scenario names its route files.
-    pub fn check(setup: &SumoSetup, routes: Option<Place>) -> Result<Self, SumoFileError> {
-        let given = given(&setup.options);
-        let files = INPUTS.iter().filter_map(|(option, _)| given.get(*option)).flat_map(|value| list(value));
-        let inputs = files.map(|f| absolute(Path::new(""), Path::new(f))).filter(|f| f.is_file()).collect();
-        let mut found = Self { inputs, notes: Vec::new() };
-        // Other clients and files given as options of SUMO may bring traffic that is not seen here.
-        let may_be_empty = setup.num_clients > 1 || INPUTS.iter().any(|(option, _)| given.contains_key(*option));
-        match &setup.source {
-            Source::Running | Source::Offline => {}
-            Source::Config(path) => found.configuration(setup, path, may_be_empty)?,
-            Source::Network { net, routes: files, additional } => {
-                let traffic = found.add_read(files.iter().chain(additional))?;
-                if !may_be_empty && !traffic {
-                    return Err(match routes {
-                        Some(place) => empty(place, "sumo.routes", files),
-                        None => SumoFileError::NoRoutes { net: net.clone() },
-                    });
-                }
-            }
+    /// Checks the inputs of SUMO, and settles what the scenario leaves open; `routes` is where it names its route files,
+    /// `end` where it sets its end.
+    pub fn check(
+        setup: &mut SumoSetup,
+        open: LeftOpen,
+        routes: Option<Place>,
+        end: Option<Place>,
+    ) -> Result<Self, SumoFileError> {
+        let settings = Settings::read(setup)?;
+        let mut found = Self::default();
+        if matches!(setup.source, Source::Running | Source::Offline) {
+            return Ok(found);
         }
+        found.add_named(&settings)?;
+        refuse(setup, &settings, end)?;
+        let (additional, files) = (settings.files("additional-files"), settings.files("route-files"));
+        let traffic = found.add_read(files.iter().chain(&additional))?;
+        // Other clients, files given as options of SUMO, and a saved state bring traffic that is not seen here.
+        let may_be_empty = setup.num_clients > 1
+            || INPUTS.iter().any(|(option, _)| settings.given.contains_key(*option))
+            || settings.value("load-state").is_some();
+        if !traffic && !may_be_empty {
+            return Err(match (routes.map(|place| (place, "sumo.routes".to_owned())), settings.place("route-files")) {
+                (Some((place, key)), _) | (None, Some((place, key))) => empty(place, key, &files),
+                (None, None) => SumoFileError::NoRoutes { net: settings.files("net-file").swap_remove(0) },
+            });
+        }
+        found.settle(setup, open, &settings);
         Ok(found)
     }
 
-    fn configuration(&mut self, setup: &SumoSetup, path: &Path, may_be_empty: bool) -> Result<(), SumoFileError> {
-        let configuration = Configuration::read(path)?;
+    /// Adds the files that options name. Those of the scenario itself are known to exist.
+    fn add_named(&mut self, settings: &Settings) -> Result<(), SumoFileError> {
         for (option, _) in INPUTS {
-            let Some(setting) = configuration.get(option) else { continue };
-            for file in configuration.files(option) {
-                if !file.is_file() {
-                    let (place, key) = (configuration.place(setting), setting.written.clone());
-                    return Err(SumoFileError::MissingFile { place, key, path: file });
+            let Some((place, key)) = settings.place(option) else { continue };
+            for path in settings.files(option) {
+                if !path.is_file() {
+                    return Err(SumoFileError::MissingFile { place, key, path });
                 }
-                self.inputs.push(file);
+                self.inputs.push(path);
             }
         }
-        let net = configuration.files("net-file");
-        if net.is_empty() && configuration.get("load-state").is_none() {
-            return Err(SumoFileError::NoNetwork(path.to_owned()));
+        match &settings.configuration {
+            Some(configuration) if settings.files("net-file").is_empty() && settings.value("load-state").is_none() => {
+                Err(SumoFileError::NoNetwork(PathBuf::from(&configuration.origin.name)))
+            }
+            _ => Ok(()),
         }
-        let additional = configuration.files("additional-files");
-        let routes = configuration.files("route-files");
-        let traffic = self.add_read(routes.iter().chain(&additional))?;
-        self.notes.extend(overridden(setup, &configuration));
-        // A saved state brings its vehicles along.
-        if may_be_empty || traffic || configuration.get("load-state").is_some() {
-            return Ok(());
+    }
+
+    /// Fills what the scenario leaves open, and notes what it changes in its configuration.
+    fn settle(&mut self, setup: &mut SumoSetup, open: LeftOpen, settings: &Settings) {
+        let theirs = settings.value("seed").and_then(|seed| seed.parse().ok());
+        if let (true, Some(seed)) = (open.seed, theirs) {
+            setup.seed = seed;
         }
-        Err(match configuration.get("route-files") {
-            Some(setting) => empty(configuration.place(setting), &setting.written, &routes),
-            None => SumoFileError::NoRoutes { net: net[0].clone() },
-        })
+        let default = || settings.value("default.carfollowmodel").filter(|model| *model == "Rail");
+        let train = self.train.take().map(|id| format!("the vType \"{id}\" has carFollowModel=\"Rail\""));
+        let train = train.or_else(|| Some(format!("default.carfollowmodel is {}", default()?)));
+        if let Some(train) = train.filter(|_| open.ballistic && setup.ballistic) {
+            setup.ballistic = false;
+            self.notes.push(format!("Euler steps: {train}, and trains know no others (--set sumo.ballistic decides)"));
+        }
+        self.notes.extend(overridden(setup, theirs, settings));
     }
 
     /// Adds the files that demand and additional files read: those that they include, and definitions of single elements.
@@ -93,6 +117,9 @@ impl Demand {
         for file in files {
             let whole = reader.each(file, &mut |file, element| {
                 traffic |= TRAFFIC.contains(&element.name());
+                if self.train.is_none() && moves_by_rail(element) {
+                    self.train = element.attribute("id");
+                }
                 let folder = file.parent().unwrap_or(Path::new(""));
                 for name in ["href", "file"] {
                     let named = element.attribute(name).filter(|_| !writes_file(element.name(), name));
@@ -106,26 +133,57 @@ impl Demand {
     }
 }
 
-/// What the scenario changes in its configuration, in one line.
-fn overridden(sumo: &SumoSetup, configuration: &Configuration) -> Option<String> {
-    let step_s = configuration.value("step-length").map_or(Some(1.0), |v| v.parse::<f64>().ok());
-    let ballistic = configuration.value("step-method.ballistic").is_some_and(is_true);
-    let mut changes = Vec::new();
-    if step_s != Some(sumo.step_length_s) {
-        let theirs = step_s.map_or("unreadable".to_owned(), |s| format!("{s} s"));
-        changes.push(format!("step length {} s instead of {theirs} (--step-length decides)", sumo.step_length_s));
+/// Whether an element is a vType with SUMO's train model.
+fn moves_by_rail(element: &Element<'_>) -> bool {
+    element.name() == "vType" && element.attribute("carFollowModel").is_some_and(|model| model == "Rail")
+}
+
+/// Refuses what makes no sense: another kind of simulation, and an end before the begin.
+fn refuse(setup: &SumoSetup, settings: &Settings, end: Option<Place>) -> Result<(), SumoFileError> {
+    if let Some((place, key)) = settings.place("mesosim").filter(|_| settings.is_on("mesosim")) {
+        let (found, wanted) =
+            ("true".to_owned(), "false: SUMO's mesoscopic vehicles have no speed to follow".to_owned());
+        return Err(SumoFileError::Setting { place, key, found, wanted });
     }
-    if ballistic != sumo.ballistic {
+    let begin_s = settings.time_s("begin").unwrap_or(0.0);
+    match (setup.end_s, end) {
+        (Some(end_s), Some(place)) if end_s <= begin_s => Err(SumoFileError::Setting {
+            place,
+            key: "sumo.end_s".to_owned(),
+            found: end_s.to_string(),
+            wanted: format!("more than {begin_s}, where the simulation begins"),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// What the scenario changes in its configuration, in one line.
+fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Option<String> {
+    let configuration = settings.configuration.as_ref()?;
+    let step_s = settings.value("step-length").map_or(Some(1.0), |v| v.parse::<f64>().ok());
+    let ballistic = settings.is_on("step-method.ballistic");
+    let mut changes = Vec::new();
+    if step_s != Some(setup.step_length_s) {
+        let theirs = step_s.map_or("unreadable".to_owned(), |s| format!("{s} s"));
+        changes.push(format!("step length {} s instead of {theirs} (--step-length decides)", setup.step_length_s));
+    }
+    if ballistic != setup.ballistic {
         let (ours, theirs) = if ballistic { ("Euler", "ballistic") } else { ("ballistic", "Euler") };
         changes.push(format!("{ours} steps instead of {theirs} (--set sumo.ballistic decides)"));
     }
-    if configuration.value("random").is_some_and(is_true) {
-        changes.push(format!("seed {} instead of a random one", sumo.seed));
+    if settings.is_on("random") {
+        changes.push(format!("seed {} instead of a random one (--seed decides)", setup.seed));
+    } else if let Some(theirs) = seed.filter(|seed| *seed != setup.seed) {
+        changes.push(format!("seed {} instead of {theirs} (--seed decides)", setup.seed));
+    }
+    let clients = settings.value("num-clients").filter(|clients| *clients != setup.num_clients.to_string());
+    if let Some(theirs) = clients {
+        changes.push(format!("{} TraCI clients instead of {theirs} (--num-clients decides)", setup.num_clients));
     }
     (!changes.is_empty()).then(|| format!("{}: {}", configuration.origin.name, changes.join(", ")))
 }
 
-fn empty(place: Place, key: &str, files: &[PathBuf]) -> SumoFileError {
+fn empty(place: Place, key: String, files: &[PathBuf]) -> SumoFileError {
     let files = files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(", ");
-    SumoFileError::EmptyDemand { place, key: key.to_owned(), files }
+    SumoFileError::EmptyDemand { place, key, files }
 }

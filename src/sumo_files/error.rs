@@ -46,6 +46,18 @@ pub enum SumoFileError {
         /// The file.
         path: PathBuf,
     },
+    /// An option that cannot hold.
+    #[error("{place}: {key}: found {found}, wanted {wanted}")]
+    Setting {
+        /// Where it is set.
+        place: Place,
+        /// By which key or option.
+        key: String,
+        /// What it says.
+        found: String,
+        /// What it should say.
+        wanted: String,
+    },
     /// The configuration names no network.
     #[error("{}: neither a SUMO configuration nor a network is named (sumo.config, or sumo.net and sumo.routes)", .0.display())]
     NoNetwork(PathBuf),
@@ -90,9 +102,10 @@ pub enum SumoFileError {
 impl SumoFileError {
     fn place(&self) -> Option<&Place> {
         match self {
-            Self::Syntax { place, .. } | Self::MissingFile { place, .. } | Self::EmptyDemand { place, .. } => {
-                Some(place)
-            }
+            Self::Syntax { place, .. }
+            | Self::MissingFile { place, .. }
+            | Self::Setting { place, .. }
+            | Self::EmptyDemand { place, .. } => Some(place),
             _ => None,
         }
     }

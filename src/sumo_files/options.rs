@@ -1,6 +1,6 @@
 //! SUMO's options: their long names, which of them name files, and how their values are written.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 /// Options that name files to write, with their synonyms (SUMO 1.15 to 1.28). Newer options that end in `-output` are
 /// recognised by that.
@@ -43,6 +43,8 @@ const OTHERS: &[(&str, &[&str])] = &[
     ("seed", &["srand"]),
     ("random", &["abs-rand"]),
     ("step-length", &[]),
+    ("mesosim", &[]),
+    ("num-clients", &[]),
     ("step-method.ballistic", &[]),
     ("output-prefix", &[]),
     ("output-suffix", &[]),
@@ -70,27 +72,46 @@ pub(super) fn list(value: &str) -> impl Iterator<Item = &str> {
     value.split([',', ';']).map(str::trim).filter(|item| !item.is_empty())
 }
 
+/// A time as SUMO writes it, in seconds or as `[DAYS:]HOURS:MINUTES:SECONDS` \[s\].
+pub(super) fn seconds(value: &str) -> Option<f64> {
+    let parts: Vec<f64> = value.split(':').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
+    match parts[..] {
+        [seconds] => Some(seconds),
+        [hours, minutes, seconds] => Some(60.0 * (60.0 * hours + minutes) + seconds),
+        [days, hours, minutes, seconds] => Some(60.0 * (60.0 * (24.0 * days + hours) + minutes) + seconds),
+        _ => None,
+    }
+}
+
 /// SUMO's booleans.
 pub(super) fn is_true(value: &str) -> bool {
     ["1", "yes", "true", "on", "x", "t"].contains(&value.to_lowercase().as_str())
 }
 
-/// The user's options by long name. A word that starts with a dash and is no number begins an option.
+/// The user's options by long name.
 pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
-    let mut given = BTreeMap::new();
-    let mut words = options.iter().peekable();
-    while let Some(word) = words.next() {
-        let Some(name) = word.strip_prefix("--").or_else(|| word.strip_prefix('-')) else { continue };
-        let (name, value) = match name.split_once('=') {
-            Some((name, value)) => (name, value.to_owned()),
-            None => {
-                let is_value = |w: &&String| !w.starts_with('-') || w.parse::<f64>().is_ok();
-                (name, words.next_if(is_value).cloned().unwrap_or_default())
-            }
+    words(options).map(|(name, value, _)| (name, value)).collect()
+}
+
+/// The user's options but one.
+pub(super) fn without(options: &[String], option: &str) -> Vec<String> {
+    let dropped: Vec<_> = words(options).filter(|(name, ..)| name == option).map(|(.., range)| range).collect();
+    let kept = options.iter().enumerate().filter(|(i, _)| !dropped.iter().any(|range| range.contains(i)));
+    kept.map(|(_, word)| word.clone()).collect()
+}
+
+/// The user's options with the words that they take. A word that starts with a dash and is no number begins an option.
+fn words(options: &[String]) -> impl Iterator<Item = (String, String, Range<usize>)> {
+    let begins = |i: usize| options[i].starts_with('-') && options[i].parse::<f64>().is_err();
+    (0..options.len()).filter(move |i| begins(*i)).map(move |i| {
+        let name = options[i].trim_start_matches('-');
+        let (name, value, end) = match name.split_once('=') {
+            Some((name, value)) => (name, value.to_owned(), i + 1),
+            None if i + 1 < options.len() && !begins(i + 1) => (name, options[i + 1].clone(), i + 2),
+            None => (name, String::new(), i + 1),
         };
-        given.insert(canonical(name).to_owned(), value);
-    }
-    given
+        (canonical(name).to_owned(), value, i..end)
+    })
 }
 
 #[cfg(test)]
@@ -105,5 +126,28 @@ mod tests {
         for name in ["net-file", "tripinfo-output.write-unfinished", "output-prefix", "precision"] {
             assert!(!writes(canonical(name)), "{name}");
         }
+    }
+
+    #[test]
+    fn the_users_words_are_taken_apart_and_one_option_is_left_out() {
+        let options =
+            ["-a", "x.xml,y.xml", "--time-to-teleport", "-1", "--ignore-route-errors", "--seed=3"].map(str::to_owned);
+        let expected = [
+            ("additional-files", "x.xml,y.xml"),
+            ("ignore-route-errors", ""),
+            ("seed", "3"),
+            ("time-to-teleport", "-1"),
+        ];
+        assert_eq!(given(&options), expected.map(|(a, b)| (a.to_owned(), b.to_owned())).into());
+        assert_eq!(without(&options, "additional-files"), options[2..]);
+        assert_eq!(without(&options, "ignore-route-errors"), [&options[..4], &options[5..]].concat());
+    }
+
+    #[test]
+    fn times_are_read_as_sumo_writes_them() {
+        assert_eq!(
+            ["90.5", "0:05:00", "1:00:00:01", "-1", "x", "1:2"].map(seconds),
+            [Some(90.5), Some(300.0), Some(86401.0), Some(-1.0), None, None]
+        );
     }
 }

@@ -1,0 +1,84 @@
+//! The options that SUMO is going to run with. As in SUMO, one that stands behind `--` replaces the configuration's.
+
+use std::{
+    collections::BTreeMap,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use super::{
+    configuration::Configuration,
+    error::SumoFileError,
+    options::{given, is_true, list, seconds},
+    path::{absolute, environment},
+    setup::{Source, SumoSetup},
+};
+use crate::place::{Origin, Place};
+
+/// Options of SUMO by their long names.
+#[derive(Debug)]
+pub(super) struct Settings {
+    /// What the user gives behind `--`.
+    pub given: BTreeMap<String, String>,
+    pub configuration: Option<Configuration>,
+    /// The files that the scenario itself names.
+    named: BTreeMap<&'static str, Vec<PathBuf>>,
+}
+
+impl Settings {
+    /// Reads the configuration, if there is one.
+    pub fn read(setup: &SumoSetup) -> Result<Self, SumoFileError> {
+        let mut settings = Self { given: given(&setup.options), configuration: None, named: BTreeMap::new() };
+        match &setup.source {
+            Source::Config(path) => settings.configuration = Some(Configuration::read(path)?),
+            Source::Network { net, routes, additional } => {
+                settings.named = BTreeMap::from([
+                    ("net-file", vec![net.clone()]),
+                    ("route-files", routes.clone()),
+                    ("additional-files", additional.clone()),
+                ]);
+            }
+            Source::Running | Source::Offline => {}
+        }
+        Ok(settings)
+    }
+
+    /// The value of an option. That of a switch may be empty, which means yes.
+    pub fn value(&self, option: &str) -> Option<&str> {
+        let given = self.given.get(option).map(String::as_str);
+        given.or_else(|| self.configuration.as_ref()?.value(option))
+    }
+
+    /// Whether a switch is on.
+    pub fn is_on(&self, option: &str) -> bool {
+        self.value(option).is_some_and(|value| value.is_empty() || is_true(value))
+    }
+
+    /// A time \[s\].
+    pub fn time_s(&self, option: &str) -> Option<f64> {
+        self.value(option).and_then(seconds)
+    }
+
+    /// The files that an option names, absolute.
+    pub fn files(&self, option: &str) -> Vec<PathBuf> {
+        match (self.given.get(option), &self.configuration) {
+            (Some(value), _) => {
+                list(value).map(|file| absolute(Path::new(""), Path::new(&environment(file)))).collect()
+            }
+            (None, Some(configuration)) => configuration.files(option),
+            (None, None) => self.named.get(option).cloned().unwrap_or_default(),
+        }
+    }
+
+    /// Where an option is set, and by which name.
+    pub fn place(&self, option: &str) -> Option<(Place, String)> {
+        if self.given.contains_key(option) {
+            let origin =
+                Origin { name: format!("-- --{option}"), text: String::new(), folder: PathBuf::new(), argument: true };
+            return Some((Place { origin: Arc::new(origin), span: 0..0 }, option.to_owned()));
+        }
+        let configuration = self.configuration.as_ref()?;
+        let setting = configuration.get(option)?;
+        Some((configuration.place(setting), setting.written.clone()))
+    }
+}
