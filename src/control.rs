@@ -12,46 +12,43 @@ mod mfc;
 mod pid;
 
 use crate::columns::Slots;
-use crate::keys::Values;
+use crate::keys::{Keys, NoKeys, Values};
 use crate::lanes::Lanes;
 use crate::registry::Entry;
+use std::sync::{Arc, LazyLock};
 
-/// Builds a controller for one block from its checked keys and the control period Δt (s).
-pub type Build = fn(&Values, f64) -> Box<dyn Controller>;
+/// Builds the controller of one block from its checked keys and the control period Δt (s). `None` = no controller: the
+/// vehicles take the reference speed as it is.
+pub type Build = Arc<dyn Fn(&Values, f64) -> Option<Box<dyn Controller>> + Send + Sync>;
+
+/// The entry of a law: its name, one line about it, and its constructor from the law's keys and the control period Δt (s).
+pub fn law<K: Keys, C: Controller + 'static>(
+    name: &'static str,
+    summary: &'static str,
+    build: impl Fn(K, f64) -> C + Send + Sync + 'static,
+) -> Entry<Build> {
+    let build: Build = Arc::new(move |values, period_s| Some(Box::new(build(K::from_values(values), period_s))));
+    Entry { name, summary, keys: K::keys(), build }
+}
 
 /// All controllers, the default first.
-pub static CONTROLLERS: &[Entry<Build>] = &[
-    Entry {
-        name: "adaptive",
-        summary: "model-free control with the input gain adapted in every period (Polack et al. 2017, Algorithm 1)",
-        keys: mfc::ADAPTIVE_KEYS,
-        build: mfc::adaptive,
-    },
-    Entry {
-        name: "classic",
-        summary: "model-free control with a constant input gain (Polack et al. 2017, Section 2)",
-        keys: mfc::CLASSIC_KEYS,
-        build: mfc::classic,
-    },
-    Entry {
-        name: "pid",
-        summary: "velocity-form PI(D) with feed-forward and anti-windup, the baseline",
-        keys: pid::KEYS,
-        build: pid::build,
-    },
-    Entry {
-        name: "calibrating",
-        summary: "model-free control that finds its torque scale and the actuators' delay on the drive and predicts over it",
-        keys: calibrating::KEYS,
-        build: calibrating::build,
-    },
-    Entry {
-        name: "ideal",
-        summary: "the vehicle takes the reference speed exactly: no body, no torque",
-        keys: ideal::KEYS,
-        build: ideal::build,
-    },
-];
+pub static CONTROLLERS: LazyLock<Vec<Entry<Build>>> = LazyLock::new(|| {
+    vec![
+        law(
+            "adaptive",
+            "model-free control with the input gain adapted in every period (Polack et al. 2017, Algorithm 1)",
+            mfc::adaptive,
+        ),
+        law("classic", "model-free control with a constant input gain (Polack et al. 2017, Section 2)", mfc::classic),
+        law("pid", "velocity-form PI(D) with feed-forward and anti-windup, the baseline", pid::Pid::new),
+        law(
+            "calibrating",
+            "model-free control that finds its torque scale and the actuators' delay on the drive and predicts over it",
+            calibrating::build,
+        ),
+        law("ideal", "the vehicle takes the reference speed exactly: no body, no torque", |_: NoKeys, _| ideal::Ideal),
+    ]
+});
 
 /// What a controller sees in one control period.
 #[derive(Debug, Clone, Copy, Default)]

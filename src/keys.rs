@@ -1,7 +1,40 @@
-//! Configuration keys as data: name, kind, unit, range, default and one line of help. The scenario reader checks files
-//! against these tables, `check --template` prints them, and a room builds itself from the checked [`Values`].
+//! Configuration keys, each declared once: name, type, default, unit, range and one line of help.
+//!
+//! The macro [`keys!`](crate::keys!) makes a typed struct and its table from one declaration. The scenario reader checks a
+//! file against the table, `check --template` and `check --schema` print it, and a room reads its struct from the checked
+//! [`Values`]. Reading cannot fail, because table and reader come from the same declaration.
+//!
+//! ```
+//! use sumo_mfc::keys::{Keys, Values};
+//!
+//! sumo_mfc::choice! {
+//!     /// How the filter starts.
+//!     pub enum Start {
+//!         /// At zero.
+//!         Zero = "zero",
+//!         /// At the first sample.
+//!         First = "first",
+//!     }
+//! }
+//!
+//! sumo_mfc::keys! {
+//!     /// Keys of a law.
+//!     pub struct MyKeys {
+//!         /// rate at which the error decays
+//!         k_p: f64 = 1.0, "1/s", 0.0..=1000.0;
+//!         /// how the filter starts
+//!         start: Start = Start::First;
+//!         /// largest acceleration; not set = no limit
+//!         accel_max_mps2: Option<f64>, "m/s2", 0.0..=100.0;
+//!     }
+//! }
+//!
+//! let keys = MyKeys::from_values(&Values::default().with("k_p", 2.0));
+//! assert_eq!(keys, MyKeys { k_p: 2.0, ..MyKeys::default() });
+//! assert_eq!(MyKeys::keys()[0].help, "rate at which the error decays");
+//! ```
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::PathBuf};
 
 /// What a key takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,17 +63,33 @@ pub enum Kind {
     Text,
     /// A file, relative to the scenario file's folder.
     File,
+    /// A list of texts, or one text.
+    Texts,
+    /// A list of files, or one file.
+    Files,
+}
+
+impl Kind {
+    /// The same kind with a unit and a range, if it is one of numbers.
+    #[must_use]
+    pub fn within(self, unit: &'static str, min: f64, max: f64) -> Self {
+        match self {
+            Self::Number { .. } => Self::Number { unit, min, max },
+            Self::Integer { .. } => Self::Integer { min: min as i64, max: max as i64 },
+            other => other,
+        }
+    }
 }
 
 /// One configuration key.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Key {
     /// Name inside its section; the unit comes last (`delay_s`).
     pub name: &'static str,
     /// What it takes.
     pub kind: Kind,
-    /// The default as a TOML literal (`"0.25"`, `"\"updated\""`, `"false"`); empty = not set.
-    pub default: &'static str,
+    /// The default; `None` = not set.
+    pub default: Option<Value>,
     /// One line of help.
     pub help: &'static str,
 }
@@ -56,79 +105,275 @@ pub enum Value {
     Flag(bool),
     /// From [`Kind::Choice`], [`Kind::Text`] or [`Kind::File`].
     Text(String),
+    /// From [`Kind::Texts`] or [`Kind::Files`].
+    Texts(Vec<String>),
 }
 
-/// The checked values of one section, complete with defaults. Asking for a key that its table does not have, or with
-/// another kind, is a programming error and panics.
+impl From<f64> for Value {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl From<bool> for Value {
+    fn from(flag: bool) -> Self {
+        Self::Flag(flag)
+    }
+}
+
+impl From<&str> for Value {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+/// The checked values of one section by the names of their keys. A key that is not set has none.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Values(pub BTreeMap<&'static str, Value>);
 
 impl Values {
     /// All defaults of `keys`.
-    ///
-    /// # Panics
-    /// If a default is not a literal of its key's kind: the table is wrong.
     pub fn defaults(keys: &[Key]) -> Self {
-        let mut values = Self::default();
-        for key in keys.iter().filter(|k| !k.default.is_empty()) {
-            let literal = format!("default of {} is a literal of its kind", key.name);
-            let value = match key.kind {
-                Kind::Number { .. } => Value::Number(key.default.parse().expect(&literal)),
-                Kind::Integer { .. } => Value::Integer(key.default.parse().expect(&literal)),
-                Kind::Flag => Value::Flag(key.default.parse().expect(&literal)),
-                Kind::Choice(_) | Kind::Text | Kind::File => Value::Text(key.default.trim_matches('"').to_owned()),
-            };
-            values.0.insert(key.name, value);
-        }
-        values
+        Self(keys.iter().filter_map(|key| Some((key.name, key.default.clone()?))).collect())
     }
 
     /// The same values with `name` set to `value`.
     #[must_use]
-    pub fn with(mut self, name: &'static str, value: Value) -> Self {
-        self.0.insert(name, value);
+    pub fn with(mut self, name: &'static str, value: impl Into<Value>) -> Self {
+        self.0.insert(name, value.into());
         self
     }
 
-    /// A number, if set.
-    pub fn try_number(&self, name: &str) -> Option<f64> {
-        self.0.get(name).map(|v| match v {
-            Value::Number(x) => *x,
-            other => panic!("{name} is {other:?}, not a number"),
-        })
+    /// The value of a key, if it is set and of this type.
+    pub fn get<T: Setting>(&self, name: &str) -> Option<T> {
+        self.0.get(name).and_then(T::from_value)
     }
+}
 
-    /// A number that has a default.
-    pub fn number(&self, name: &str) -> f64 {
-        self.try_number(name).unwrap_or_else(|| panic!("{name} has no value and no default"))
-    }
+/// A struct of keys; [`keys!`](crate::keys!) implements it.
+pub trait Keys: Default {
+    /// The table of the keys, in the order of their declaration.
+    fn keys() -> &'static [Key];
 
-    /// A whole number, if set.
-    pub fn try_integer(&self, name: &str) -> Option<i64> {
-        self.0.get(name).map(|v| match v {
-            Value::Integer(x) => *x,
-            other => panic!("{name} is {other:?}, not an integer"),
-        })
-    }
+    /// Reads the struct. What is not set keeps its default.
+    fn from_values(values: &Values) -> Self;
 
-    /// A flag that has a default.
-    pub fn flag(&self, name: &str) -> bool {
-        match self.0.get(name) {
-            Some(Value::Flag(x)) => *x,
-            other => panic!("{name} is {other:?}, not a flag"),
+    /// The values that give this struct when they are read.
+    fn to_values(&self) -> Values;
+}
+
+/// A type that the value of a key can have.
+pub trait Setting: Sized {
+    /// How a default of this type is written in a declaration.
+    type Literal;
+
+    /// What a key of this type takes, before a unit and a range are set.
+    const KIND: Kind;
+
+    /// The default of a declaration.
+    fn from_literal(literal: Self::Literal) -> Self;
+
+    /// Reads a value; `None` if it is one of another kind.
+    fn from_value(value: &Value) -> Option<Self>;
+
+    /// The value; `None` = not set.
+    fn to_value(&self) -> Option<Value>;
+}
+
+/// A type whose keys need no default: the value may be missing.
+pub trait Optional: Setting + Default {}
+
+impl<T: Setting> Optional for Option<T> {}
+
+/// Implements [`Setting`] for a type that one variant of [`Value`] holds.
+macro_rules! setting {
+    ($($type:ty: $literal:ty = $kind:expr, $variant:ident, $read:expr, $write:expr;)*) => {$(
+        impl Setting for $type {
+            type Literal = $literal;
+            const KIND: Kind = $kind;
+
+            fn from_literal(literal: $literal) -> Self {
+                literal.into()
+            }
+
+            fn from_value(value: &Value) -> Option<Self> {
+                let read: fn(&_) -> Option<Self> = $read;
+                if let Value::$variant(value) = value { read(value) } else { None }
+            }
+
+            fn to_value(&self) -> Option<Value> {
+                let write: fn(&Self) -> _ = $write;
+                Some(Value::$variant(write(self)))
+            }
         }
+    )*};
+}
+
+setting! {
+    f64: f64 = Kind::Number { unit: "-", min: f64::MIN, max: f64::MAX }, Number, |x| Some(*x), |x| *x;
+    bool: bool = Kind::Flag, Flag, |x| Some(*x), |x| *x;
+    u16: u16 = Kind::Integer { min: 0, max: u16::MAX as i64 }, Integer, |x| Self::try_from(*x).ok(), |x| i64::from(*x);
+    u32: u32 = Kind::Integer { min: 0, max: u32::MAX as i64 }, Integer, |x| Self::try_from(*x).ok(), |x| i64::from(*x);
+    i64: i64 = Kind::Integer { min: i64::MIN, max: i64::MAX }, Integer, |x| Some(*x), |x| *x;
+    String: &'static str = Kind::Text, Text, |x: &String| Some(x.clone()), String::clone;
+    PathBuf: &'static str = Kind::File, Text, |x: &String| Some(x.into()), |x| x.to_string_lossy().into_owned();
+}
+
+impl<T: Setting> Setting for Option<T> {
+    type Literal = T::Literal;
+    const KIND: Kind = T::KIND;
+
+    fn from_literal(literal: T::Literal) -> Self {
+        Some(T::from_literal(literal))
     }
 
-    /// A text, if set.
-    pub fn try_text(&self, name: &str) -> Option<&str> {
-        self.0.get(name).map(|v| match v {
-            Value::Text(x) => x.as_str(),
-            other => panic!("{name} is {other:?}, not a text"),
-        })
+    fn from_value(value: &Value) -> Option<Self> {
+        T::from_value(value).map(Some)
     }
 
-    /// A text that has a default.
-    pub fn text(&self, name: &str) -> &str {
-        self.try_text(name).unwrap_or_else(|| panic!("{name} has no value and no default"))
+    fn to_value(&self) -> Option<Value> {
+        self.as_ref().and_then(T::to_value)
     }
+}
+
+/// Lists: an empty one is not set.
+macro_rules! list {
+    ($($item:ty = $kind:ident, $read:expr, $write:expr;)*) => {$(
+        impl Setting for Vec<$item> {
+            type Literal = Self;
+            const KIND: Kind = Kind::$kind;
+
+            fn from_literal(literal: Self) -> Self {
+                literal
+            }
+
+            fn from_value(value: &Value) -> Option<Self> {
+                if let Value::Texts(texts) = value { Some(texts.iter().map($read).collect()) } else { None }
+            }
+
+            fn to_value(&self) -> Option<Value> {
+                (!self.is_empty()).then(|| Value::Texts(self.iter().map($write).collect()))
+            }
+        }
+
+        impl Optional for Vec<$item> {}
+    )*};
+}
+
+list! {
+    String = Texts, String::clone, String::clone;
+    PathBuf = Files, PathBuf::from, |path| path.to_string_lossy().into_owned();
+}
+
+/// Declares a struct of configuration keys ([`Keys`](crate::keys::Keys)); [`mod@crate::keys`] has an example.
+///
+/// Each key is `/// help`, then `name: type = default, "unit", min..=max;`. The doc comment is the key's help, of one line.
+/// Numbers have a unit ("-" = none) and a range. A key of type `Option` needs no default. `..shared: OtherKeys,` in front
+/// takes over the keys of another struct.
+#[macro_export]
+macro_rules! keys {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident {
+        $(..$base:ident: $base_type:ty,)?
+        $(#[doc = $help:literal] $field:ident: $type:ty $(= $default:expr)? $(, $unit:literal, $range:expr)?;)*
+    }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, PartialEq)]
+        #[allow(rustdoc::broken_intra_doc_links)]
+        $vis struct $name {
+            $(#[doc = "Keys that are declared elsewhere."] pub $base: $base_type,)?
+            $(#[doc = $help] pub $field: $type,)*
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self {
+                    $($base: Default::default(),)?
+                    $($field: $crate::keys!(@default $type $(, $default)?),)*
+                }
+            }
+        }
+
+        impl $crate::keys::Keys for $name {
+            fn keys() -> &'static [$crate::keys::Key] {
+                static TABLE: std::sync::LazyLock<Vec<$crate::keys::Key>> = std::sync::LazyLock::new(|| {
+                    let _values = $crate::keys::Keys::to_values(&$name::default());
+                    [
+                        $(<$base_type as $crate::keys::Keys>::keys().to_vec(),)?
+                        vec![$($crate::keys::Key {
+                            name: stringify!($field),
+                            kind: $crate::keys!(@kind $type $(, $unit, $range)?),
+                            default: _values.0.get(stringify!($field)).cloned(),
+                            help: $help.trim_ascii(),
+                        }),*],
+                    ]
+                    .concat()
+                });
+                &TABLE
+            }
+
+            fn from_values(values: &$crate::keys::Values) -> Self {
+                let _defaults = Self::default();
+                let _ = values;
+                Self {
+                    $($base: $crate::keys::Keys::from_values(values),)?
+                    $($field: values.get(stringify!($field)).unwrap_or(_defaults.$field),)*
+                }
+            }
+
+            fn to_values(&self) -> $crate::keys::Values {
+                let mut _values = $crate::keys::Values::default();
+                $(_values.0.append(&mut $crate::keys::Keys::to_values(&self.$base).0);)?
+                $(_values.0.extend($crate::keys::Setting::to_value(&self.$field).map(|value| (stringify!($field), value)));)*
+                _values
+            }
+        }
+    };
+    (@default $type:ty) => { $crate::keys::not_set::<$type>() };
+    (@default $type:ty, $default:expr) => { <$type as $crate::keys::Setting>::from_literal($default) };
+    (@kind $type:ty) => { <$type as $crate::keys::Setting>::KIND };
+    (@kind $type:ty, $unit:literal, $range:expr) => {
+        <$type as $crate::keys::Setting>::KIND.within($unit, f64::from(*$range.start()), f64::from(*$range.end()))
+    };
+}
+
+/// The default of a key that is declared without one.
+#[doc(hidden)]
+pub fn not_set<T: Optional>() -> T {
+    T::default()
+}
+
+/// Declares an enum whose variants are the words that a key takes; [`mod@crate::keys`] has an example.
+#[macro_export]
+macro_rules! choice {
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[$about:meta])* $variant:ident = $word:literal),+ $(,)? }) => {
+        $(#[$meta])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        $vis enum $name { $($(#[$about])* $variant),+ }
+
+        impl $crate::keys::Setting for $name {
+            type Literal = Self;
+            const KIND: $crate::keys::Kind = $crate::keys::Kind::Choice(&[$($word),+]);
+
+            fn from_literal(literal: Self) -> Self {
+                literal
+            }
+
+            fn from_value(value: &$crate::keys::Value) -> Option<Self> {
+                let $crate::keys::Value::Text(word) = value else { return None };
+                match word.as_str() {
+                    $($word => Some(Self::$variant),)+
+                    _ => None,
+                }
+            }
+
+            fn to_value(&self) -> Option<$crate::keys::Value> {
+                Some(match self { $(Self::$variant => $word),+ }.into())
+            }
+        }
+    };
+}
+
+keys! {
+    /// For what takes no keys.
+    pub struct NoKeys {}
 }

@@ -129,11 +129,7 @@ fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
 }
 
 fn list() -> miette::Result<ExitCode> {
-    let catalog = Catalog::installed();
-    let lines = catalog.registries().into_iter().flat_map(|registry| {
-        registry.entries.iter().map(|e| format!("{}\t{}\t{}\n", registry.kind, e.name, e.summary))
-    });
-    print(&lines.collect::<String>())
+    print(&Catalog::installed().lines())
 }
 
 fn doctor() -> miette::Result<ExitCode> {

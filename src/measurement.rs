@@ -2,17 +2,17 @@
 //! Noise"), one draw per vehicle and control period.
 
 use crate::columns::columns;
-use crate::keys::{Key, Kind};
+use crate::keys;
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::random::{Stream, normals};
 
-/// Keys of the noise on the measured speed.
-pub const KEYS: &[Key] = &[Key {
-    name: "power_db",
-    kind: Kind::Number { unit: "dB", min: -200.0, max: 40.0 },
-    default: "",
-    help: "power of white noise on the measured speed, 0 dB = 1 m2/s2 per sample (paper: -6); not set = none",
-}];
+keys! {
+    /// Keys of the noise on the measured speed.
+    pub struct NoiseKeys {
+        /// power of the white noise on the measured speed, re 1 (m/s)²; not set = none
+        power_db: Option<f64>, "dB", -200.0..=60.0;
+    }
+}
 
 /// Standard deviation [m/s] of white noise with a power of `power_db` (dB) relative to 1 m²/s²: −6 dB is 0.501 m/s.
 pub fn sigma_mps(power_db: f64) -> f64 {

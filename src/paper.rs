@@ -221,7 +221,11 @@ fn all(lab: &Lab, tests: &[&Entry<Run>], presets: &[&Preset]) -> Result<Vec<Find
     let mut jobs = Vec::new();
     for test in tests {
         for preset in presets {
-            jobs.push((test.build, *preset, lab.library.scenario("step", preset, "adaptive", &[])?.control_period_s));
+            jobs.push((
+                test.build,
+                *preset,
+                lab.library.scenario("step", preset, "adaptive", &[])?.coupling.control_period_s,
+            ));
         }
     }
     let found: Vec<OnceLock<Result<Finding, PaperError>>> = jobs.iter().map(|_| OnceLock::new()).collect();
@@ -243,7 +247,8 @@ fn map(request: &Request, lab: &Lab, preset: &Preset, grid: &map::Grid) -> Resul
     let map = map::run(lab, preset, &request.out_dir, grid, request.progress)?;
     let scenario = lab.library.scenario("step", preset, "adaptive", &[])?;
     let values = &scenario.groups[0].controller.values;
-    let mark = [scenario.control_period_s, values.number("k_p"), values.number("accel_per_unit_mps2")];
+    let mark = [Some(scenario.coupling.control_period_s), values.get("k_p"), values.get("accel_per_unit_mps2")]
+        .map(|x| x.unwrap_or(f64::NAN));
     Ok(map.finding(&preset.name, mark))
 }
 

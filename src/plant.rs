@@ -17,44 +17,56 @@ mod point_mass;
 pub mod seven_dof;
 pub mod tyre;
 
-use crate::keys::{Key, Kind, Values};
+use crate::keys;
+use crate::keys::{Keys, NoKeys, Values};
 use crate::registry::Entry;
-pub use actuator::{Actuated, Actuators};
+pub use actuator::{Actuated, ActuatorKeys, Actuators, DEAD_TIME_MAX_S};
 pub use block::{Inputs, Plant, PlantBlock, State};
-pub use body::{BODIES, BODY_KEYS, Body};
+pub use body::{BODIES, Body, BodyKeys, BuildBody, preset};
 pub use kernel::SevenDof;
+use std::sync::{Arc, LazyLock};
 
 /// Builds a plant from the checked values of its keys.
-pub type BuildPlant = fn(&Values) -> Box<dyn Plant>;
+pub type BuildPlant = Arc<dyn Fn(&Values) -> Box<dyn Plant> + Send + Sync>;
 
-/// The plants that can be chosen by name.
-pub static PLANTS: &[Entry<BuildPlant>] = &[
-    Entry {
-        name: "seven_dof",
-        summary: "7 degrees of freedom: V_x, V_y, yaw rate and four wheels with Magic Formula tyres",
-        keys: &[Key {
-            name: "substep_s",
-            kind: Kind::Number { unit: "s", min: 1e-5, max: 0.01 },
-            default: "0.01",
-            help: "largest integration step; a control period is divided evenly",
-        }],
-        build: |values| Box::new(SevenDof::new(values.number("substep_s"))),
-    },
-    Entry {
-        name: "reference",
-        summary: "the 7-DoF model integrated implicitly to a tolerance: slow, to measure the others against",
-        keys: &[Key {
-            name: "tolerance",
-            kind: Kind::Number { unit: "m/s", min: 1e-12, max: 1e-3 },
-            default: "1e-8",
-            help: "largest error of one integration step",
-        }],
-        build: |values| Box::new(oracle::Reference::new(values.number("tolerance"))),
-    },
-    Entry {
-        name: "point_mass",
-        summary: "a point on a line: mass, torque, slope, drag and brakes, no tyres",
-        keys: &[],
-        build: |_| Box::new(point_mass::PointMass),
-    },
-];
+/// The entry of a vehicle model: its name, one line about it, and its constructor from the model's keys.
+pub fn model<K: Keys, P: Plant + 'static>(
+    name: &'static str,
+    summary: &'static str,
+    build: impl Fn(K) -> P + Send + Sync + 'static,
+) -> Entry<BuildPlant> {
+    Entry { name, summary, keys: K::keys(), build: Arc::new(move |values| Box::new(build(K::from_values(values)))) }
+}
+
+/// The plants that can be chosen by name, the default first.
+pub static PLANTS: LazyLock<Vec<Entry<BuildPlant>>> = LazyLock::new(|| {
+    vec![
+        model(
+            "seven_dof",
+            "7 degrees of freedom: V_x, V_y, yaw rate and four wheels with Magic Formula tyres",
+            |keys: SevenDofKeys| SevenDof::new(keys.substep_s),
+        ),
+        model(
+            "reference",
+            "the 7-DoF model integrated implicitly to a tolerance: slow, to measure the others against",
+            |keys: ReferenceKeys| oracle::Reference::new(keys.tolerance),
+        ),
+        model("point_mass", "a point on a line: mass, torque, slope, drag and brakes, no tyres", |_: NoKeys| {
+            point_mass::PointMass
+        }),
+    ]
+});
+
+keys! {
+    struct SevenDofKeys {
+        /// largest integration step; a control period is divided evenly
+        substep_s: f64 = 0.01, "s", 1e-5..=0.01;
+    }
+}
+
+keys! {
+    struct ReferenceKeys {
+        /// largest error of one integration step
+        tolerance: f64 = 1e-8, "m/s", 1e-12..=1e-3;
+    }
+}

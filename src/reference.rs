@@ -6,13 +6,13 @@ mod profile;
 mod recording;
 mod table;
 
-pub use profile::{Axis, Profile};
+pub use profile::{Axis, Profile, ProfileKeys};
 pub use recording::{RecordingOptions, Track};
 
-use crate::keys::{Key, Values};
+use crate::keys::{Keys, NoKeys, Values};
 use crate::registry::Entry;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// A target, ready for the coupling.
 #[derive(Debug, Clone)]
@@ -26,31 +26,37 @@ pub enum Target {
 }
 
 /// Builds a target from its checked keys; files are relative to the folder.
-pub type Build = fn(&Values, &Path) -> Result<Target, ReferenceError>;
+pub type Build = Arc<dyn Fn(&Values, &Path) -> Result<Target, ReferenceError> + Send + Sync>;
 
-const NO_KEYS: &[Key] = &[];
+/// The entry of a target: its name, one line about it, and its constructor from the target's keys and the folder to which
+/// their files are relative.
+pub fn target<K: Keys>(
+    name: &'static str,
+    summary: &'static str,
+    build: impl Fn(K, &Path) -> Result<Target, ReferenceError> + Send + Sync + 'static,
+) -> Entry<Build> {
+    let build: Build = Arc::new(move |values, folder| build(K::from_values(values), folder));
+    Entry { name, summary, keys: K::keys(), build }
+}
 
 /// All targets, the default first.
-pub static TARGETS: &[Entry<Build>] = &[
-    Entry {
-        name: "traffic",
-        summary: "the speed that SUMO's car-following, lights and right of way choose",
-        keys: NO_KEYS,
-        build: |_, _| Ok(Target::Traffic),
-    },
-    Entry {
-        name: "limit",
-        summary: "the lane's speed limit, for test roads without traffic",
-        keys: NO_KEYS,
-        build: |_, _| Ok(Target::Limit),
-    },
-    Entry {
-        name: "profile",
-        summary: "a speed over position or time: steps, a sine, a CSV file, a driver's recording, a SUMO driving cycle",
-        keys: profile::KEYS,
-        build: |values, folder| Ok(Target::Profile(Arc::new(profile::build(values, folder)?))),
-    },
-];
+pub static TARGETS: LazyLock<Vec<Entry<Build>>> = LazyLock::new(|| {
+    vec![
+        target(
+            "traffic",
+            "the speed that SUMO's car-following, lights and right of way choose",
+            |_: NoKeys, _: &Path| Ok(Target::Traffic),
+        ),
+        target("limit", "the lane's speed limit, for test roads without traffic", |_: NoKeys, _: &Path| {
+            Ok(Target::Limit)
+        }),
+        target(
+            "profile",
+            "a speed over position or time: steps, a sine, a CSV file, a driver's recording, a SUMO driving cycle",
+            |keys: ProfileKeys, folder: &Path| Ok(Target::Profile(Arc::new(profile::build(&keys, folder)?))),
+        ),
+    ]
+});
 
 /// Why a profile cannot be had.
 #[derive(Debug, thiserror::Error)]

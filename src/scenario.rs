@@ -1,7 +1,7 @@
 //! What to run: a TOML file, a `.sumocfg` or a bare network with routes, together with what the command line overrides,
 //! becomes one [`Scenario`] of checked SI values.
 //!
-//! Every key lives in a table ([`crate::keys`]): the fixed sections in `catalog.rs`, the rest in the registries. Reading,
+//! Every key lives in a table ([`mod@crate::keys`]): the fixed sections in `sections.rs`, the rest in the registries. Reading,
 //! range checks, suggestions, `check` and `check --template` all come from these tables, so a new key is one line.
 
 mod catalog;
@@ -10,21 +10,28 @@ mod error;
 mod load;
 mod print;
 mod section;
+mod sections;
 mod selector;
 mod spread;
 
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
-pub use catalog::{Catalog, Named, Options};
+pub use catalog::Catalog;
 pub use document::Override;
 pub use error::ScenarioError;
 pub use load::Request;
 pub use print::template;
+pub use sections::{Coupling, Output, Trace, Traffic};
 pub use selector::{EgoInfo, Selector};
-pub use spread::{Distribution, Quantity};
+pub use spread::{Distribution, PerVehicle};
 
 use crate::{
+    control,
     keys::Values,
+    measurement::NoiseKeys,
+    plant::{BuildBody, BuildPlant},
+    reference,
+    registry::Entry,
     sumo_files::{Equipped, SumoFileError, SumoSetup},
 };
 
@@ -40,9 +47,7 @@ pub struct Scenario {
     /// What they get: the first group that matches. The last one takes all that are left.
     pub groups: Vec<Group>,
     /// The vehicle model.
-    pub plant: Choice,
-    /// Control period \[s\].
-    pub control_period_s: f64,
+    pub plant: Choice<BuildPlant>,
     /// Between SUMO and the fleet.
     pub coupling: Coupling,
     /// Changes to the traffic.
@@ -55,13 +60,26 @@ pub struct Scenario {
     pub notes: Vec<String>,
 }
 
-/// A name of a registry with the values of its keys.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Choice {
-    /// The name.
-    pub name: &'static str,
+/// What was chosen by name, with the values of its keys.
+#[derive(Clone)]
+pub struct Choice<B> {
+    /// What was chosen.
+    pub entry: Entry<B>,
     /// Its values, complete with defaults.
     pub values: Values,
+}
+
+impl<B> Choice<B> {
+    /// The name.
+    pub fn name(&self) -> &'static str {
+        self.entry.name
+    }
+}
+
+impl<B> fmt::Debug for Choice<B> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Choice").field("entry", &self.entry).field("values", &self.values).finish()
+    }
 }
 
 /// What a group of egos gets.
@@ -70,75 +88,33 @@ pub struct Group {
     /// Who belongs to it.
     pub select: Selector,
     /// The speed controller.
-    pub controller: Choice,
+    pub controller: Choice<control::Build>,
     /// Where the target speed comes from.
-    pub target: Choice,
+    pub target: Choice<reference::Build>,
     /// The body.
     pub vehicle: Vehicle,
     /// What lies between command and torque.
-    pub actuator: Actuator,
-    /// Power of the white noise on the measured speed [dB re 1 (m/s)²]; `None` = no noise.
-    pub noise_power_db: Option<f64>,
+    pub actuator: PerVehicle,
+    /// The noise on the measured speed.
+    pub noise: NoiseKeys,
+}
+
+/// A preset of a body.
+#[derive(Debug, Clone)]
+pub enum Preset {
+    /// The one that was named.
+    Named(Entry<BuildBody>),
+    /// One of these, by the vehicle class.
+    ByClass(Vec<Entry<BuildBody>>),
 }
 
 /// A body.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Vehicle {
-    /// The preset; `None` = by the vehicle class.
-    pub preset: Option<String>,
+    /// The preset.
+    pub preset: Preset,
     /// Keys of the body that differ from the preset.
-    pub values: Values,
-    /// Keys of the body that are drawn per vehicle.
-    pub spread: Vec<(&'static str, Distribution)>,
-}
-
-/// What lies between command and torque.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Actuator {
-    /// Dead time \[s\].
-    pub delay_s: Quantity,
-    /// Time constant of the lag behind it \[s\].
-    pub lag_s: Quantity,
-}
-
-/// Between SUMO and the fleet.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coupling {
-    /// How far the reference may keep away from the vehicle's speed [m/s].
-    pub lead_mps: f64,
-    /// Bodies feel the slope of SUMO's road.
-    pub grade: bool,
-}
-
-/// Changes to the traffic.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Traffic {
-    /// Driver imperfection of the egos' car-following model; `None` = the vType's.
-    pub sigma: Option<f64>,
-}
-
-/// What is written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Output {
-    /// The table of vehicles; its suffix chooses the format.
-    pub vehicles: String,
-    /// Whose trajectories are traced.
-    pub trace: Trace,
-    /// Time between two rows of the trace \[s\]; `None` = SUMO's step.
-    pub trace_period_s: Option<f64>,
-    /// The trace; its suffix chooses the format.
-    pub trace_file: String,
-}
-
-/// Whose trajectories are traced.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Trace {
-    /// Nobody's.
-    None,
-    /// Every ego's.
-    All,
-    /// These vehicles'.
-    Ids(Vec<String>),
+    pub body: PerVehicle,
 }
 
 impl Group {
@@ -186,7 +162,7 @@ impl Scenario {
     /// Where the results go if the user does not say: `out/<scenario>-<controller>-<seed>`, with the controller of the
     /// vehicles that no `[[group]]` takes.
     pub fn default_folder(&self) -> PathBuf {
-        let controller = self.groups.last().map_or("none", |g| g.controller.name);
+        let controller = self.groups.last().map_or("none", |g| g.controller.name());
         PathBuf::from("out").join(format!("{}-{controller}-{}", self.name, self.sumo.seed))
     }
 }

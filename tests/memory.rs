@@ -115,11 +115,12 @@ fn law_an_hour_leaves_nothing_behind() {
 /// A fleet with the adaptive law, T = 200 ms, Δt = 10 ms, and actuators that may be late by `dead_time_max_s`.
 fn bytes_per_vehicle(dead_time_max_s: f64) -> i64 {
     const VEHICLES: i64 = 1600;
-    let adaptive = find("controller", CONTROLLERS, "adaptive").unwrap();
+    let adaptive = find("controller", &CONTROLLERS, "adaptive").unwrap();
     let values = Values::defaults(adaptive.keys);
     let body = (BODIES[0].build)();
     let region = Region::new(COUNTING);
-    let group = GroupSetup { controller: Box::new(move || (adaptive.build)(&values, 0.01)), dead_time_max_s };
+    let group =
+        GroupSetup { controller: Box::new(move || (adaptive.build)(&values, 0.01).expect("a law")), dead_time_max_s };
     let loop_config = LoopConfig { plant: Box::new(SevenDof::new(0.01)), period_s: 0.01, reference_bound_mps: 1.0 };
     let mut fleet = Fleet::new(loop_config, vec![group]);
     for i in 0..VEHICLES {

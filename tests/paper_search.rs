@@ -211,7 +211,7 @@ impl Choice {
     fn sine_overshoot(&self, lab: &Lab, controller: &str) -> Option<f64> {
         let scenario = self.scenario(lab, "sine", controller, &[])?;
         let world = World::new(&scenario).ok()?;
-        let wave_m = scenario.groups[0].target.values.number("sine_wavelength_m");
+        let wave_m = scenario.groups[0].target.values.get::<f64>("sine_wavelength_m").unwrap();
         let (mut reached, mut over) = (false, 0.0_f64);
         let trips = world.trips(0, 0.0, End::Distance(wave_m)).ok()?;
         let watch = |_, block: &mut sumo_mfc::fleet::block::Block, lane, _| {

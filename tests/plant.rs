@@ -1,10 +1,10 @@
 //! Laws, oracles and limits of the plant.
 
-use sumo_mfc::keys::{Value, Values};
+use sumo_mfc::keys::Values;
 use sumo_mfc::lanes::{Flags, InstructionSet, LANES};
 use sumo_mfc::plant::body::GRAVITY_MPS2;
 use sumo_mfc::plant::oracle::Reference;
-use sumo_mfc::plant::{BODIES, Body, Inputs, PLANTS, Plant, PlantBlock, SevenDof, State};
+use sumo_mfc::plant::{BODIES, Body, BodyKeys, Inputs, PLANTS, Plant, PlantBlock, SevenDof, State};
 use sumo_mfc::random::Stream;
 
 const PERIOD_S: f64 = 0.01;
@@ -129,7 +129,7 @@ fn any_state(random: &mut Stream, body: &Body) -> State {
 
 #[test]
 fn law_rest_stays_rest() {
-    for entry in PLANTS {
+    for entry in PLANTS.iter() {
         let plant = (entry.build)(&Values::defaults(entry.keys));
         for torque in [0.0, -500.0, -5000.0] {
             for steer in [0.0, 0.3, -0.3] {
@@ -144,7 +144,7 @@ fn law_rest_stays_rest() {
 
 #[test]
 fn law_wheel_loads_balance() {
-    for entry in BODIES {
+    for entry in BODIES.iter() {
         let body = (entry.build)();
         let [fl, fr, rl, rr] = body.static_load_n();
         assert!(((fl + fr + rl + rr) / (body.mass_kg * GRAVITY_MPS2) - 1.0).abs() < 1e-12, "{}", entry.name);
@@ -665,7 +665,7 @@ fn friction_ellipse_costs_lateral_force_under_braking() {
 
 #[test]
 fn every_body_covers_its_class() {
-    for entry in BODIES {
+    for entry in BODIES.iter() {
         let body = (entry.build)();
         let heavy = ["bus", "truck"].contains(&entry.name);
         let (accel, decel) = if heavy { (1.3, 7.0) } else { (2.6, 9.0) };
@@ -684,14 +684,16 @@ fn every_body_covers_its_class() {
 #[test]
 fn keys_override_the_preset_and_only_what_they_name() {
     let mut body = car();
-    body.apply(&Values::default());
+    body.apply(&BodyKeys::default());
     assert_eq!(body, car());
-    let given = Values::default()
-        .with("mass_kg", Value::Number(2000.0))
-        .with("friction", Value::Number(0.5))
-        .with("friction_rear_left", Value::Number(0.2))
-        .with("rear_stiffness_nprad", Value::Number(80_000.0))
-        .with("combined_slip", Value::Flag(true));
+    let given = BodyKeys {
+        mass_kg: Some(2000.0),
+        friction: Some(0.5),
+        friction_rear_left: Some(0.2),
+        rear_stiffness_nprad: Some(80_000.0),
+        combined_slip: Some(true),
+        ..BodyKeys::default()
+    };
     body.apply(&given);
     assert_eq!((body.mass_kg, body.friction, body.combined_slip), (2000.0, [0.5, 0.5, 0.2, 0.5], true));
     let stiffness = body.cornering_stiffness_nprad();
@@ -714,7 +716,7 @@ fn a_measured_curve_gives_tyre_and_friction() {
 
 #[test]
 fn a_loaded_vehicle_keeps_its_kind() {
-    for entry in BODIES {
+    for entry in BODIES.iter() {
         let (empty, mut loaded) = ((entry.build)(), (entry.build)());
         loaded.load_to(1.5 * empty.mass_kg);
         let settings = [(&empty, 1.0), (&loaded, 1.5)].map(|(body, factor)| {

@@ -45,41 +45,24 @@
 
 use super::{Actuation, Command, Controller, Observation};
 use crate::columns::{Slots, columns};
-use crate::keys::{Key, Kind, Values};
+use crate::keys;
 use crate::lanes::{LANES, vectorised};
 
-pub(super) const KEYS: &[Key] = &[
-    Key {
-        name: "k_p",
-        kind: Kind::Number { unit: "1/s", min: 0.0, max: 1000.0 },
-        default: "1.0",
-        help: "K_P, rate at which the predicted error decays",
-    },
-    Key {
-        name: "accel_per_unit_mps2",
-        kind: Kind::Number { unit: "m/s2 per u", min: 1e-6, max: 1e3 },
-        default: "1.0",
-        help: "b, first guess of the torque scale: the torque is u*b*M*r; may be wrong by a factor of 0.01 to 20",
-    },
-    Key {
-        name: "window_s",
-        kind: Kind::Number { unit: "s", min: 0.001, max: 5.0 },
-        default: "0.5",
-        help: "T, the observer's estimate of F is late by T/2",
-    },
-    Key {
-        name: "memory_s",
-        kind: Kind::Number { unit: "s", min: 0.1, max: 1e4 },
-        default: "10.0",
-        help: "time of speeding up and slowing down over which the torque scale is averaged",
-    },
-    Key {
-        name: "reference_rate_max_mps2",
-        kind: Kind::Number { unit: "m/s2", min: 0.0, max: 1e6 },
-        default: "20.0",
-        help: "rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether",
-    },
-];
+keys! {
+    /// Keys of the law.
+    pub(super) struct CalibratingKeys {
+        /// K_P, rate at which the predicted error decays
+        k_p: f64 = 1.0, "1/s", 0.0..=1000.0;
+        /// b, first guess of the torque scale: the torque is u*b*M*r; may be wrong by a factor of 0.01 to 20
+        accel_per_unit_mps2: f64 = 1.0, "m/s2 per u", 1e-6..=1e3;
+        /// T, the observer's estimate of F is late by T/2
+        window_s: f64 = 0.5, "s", 0.001..=5.0;
+        /// time of speeding up and slowing down over which the torque scale is averaged
+        memory_s: f64 = 10.0, "s", 0.1..=1e4;
+        /// rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether
+        reference_rate_max_mps2: f64 = 20.0, "m/s2", 0.0..=1e6;
+    }
+}
 
 /// τ of the instrument, and time constant of what the delay is found from \[s\].
 const SMOOTHING_S: f64 = 1.0;
@@ -94,13 +77,13 @@ const DELAY_MAX_S: f64 = 2.0;
 /// Bound on inputs, far outside anything physical: sums of them stay numbers.
 const INPUT_MAX_MPS2: f64 = 1e6;
 
-pub(super) fn build(values: &Values, period_s: f64) -> Box<dyn Controller> {
-    Box::new(Calibrating::new(Law::new(values, period_s)))
+pub(super) fn build(keys: CalibratingKeys, period_s: f64) -> Calibrating {
+    Calibrating::new(Law::new(&keys, period_s))
 }
 
 /// The constants of the law.
 #[derive(Debug, Clone, Copy)]
-struct Law {
+pub(super) struct Law {
     period_s: f64,
     k_p: f64,
     accel_per_unit_mps2: f64,
@@ -159,7 +142,7 @@ columns! {
 
 columns! {
     /// The law for one block of vehicles.
-    struct Calibrating(law: Law) {
+    pub(super) struct Calibrating(law: Law) {
         shared {
             law: Law = law,
         }
@@ -171,17 +154,17 @@ columns! {
 }
 
 impl Law {
-    fn new(values: &Values, period_s: f64) -> Self {
-        let pole = libm::exp(-4.0 * period_s / values.number("window_s"));
+    fn new(keys: &CalibratingKeys, period_s: f64) -> Self {
+        let pole = libm::exp(-4.0 * period_s / keys.window_s);
         Self {
             period_s,
-            k_p: values.number("k_p"),
-            accel_per_unit_mps2: values.number("accel_per_unit_mps2"),
-            rate_max_mps2: values.number("reference_rate_max_mps2"),
+            k_p: keys.k_p,
+            accel_per_unit_mps2: keys.accel_per_unit_mps2,
+            rate_max_mps2: keys.reference_rate_max_mps2,
             speed_gain: 1.0 - pole * pole,
             rate_gain_per_s: (1.0 - pole) * (1.0 - pole) / period_s,
             smoothing: 1.0 - libm::exp(-period_s / SMOOTHING_S),
-            forgetting: 1.0 - libm::exp(-period_s / values.number("memory_s")),
+            forgetting: 1.0 - libm::exp(-period_s / keys.memory_s),
         }
     }
 }
@@ -295,7 +278,7 @@ vectorised! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::keys::Value;
+    use crate::keys::{Keys, Values};
     use crate::lanes::Lanes;
     use crate::random::Stream;
     use std::collections::VecDeque;
@@ -305,8 +288,8 @@ mod tests {
     const START_MPS: f64 = 15.0;
 
     fn law(changes: &[(&'static str, f64)]) -> Calibrating {
-        let values = changes.iter().fold(Values::defaults(KEYS), |v, (key, x)| v.with(key, Value::Number(*x)));
-        let mut law = Calibrating::new(Law::new(&values, PERIOD_S));
+        let values = changes.iter().fold(Values::default(), |v, (key, x)| v.with(key, *x));
+        let mut law = Calibrating::new(Law::new(&CalibratingKeys::from_values(&values), PERIOD_S));
         (0..LANES).for_each(|slot| law.reset(slot, START_MPS));
         law
     }

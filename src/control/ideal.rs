@@ -2,15 +2,8 @@
 //! smallest example of a controller.
 
 use super::{Actuation, Command, Controller, Observation};
-use crate::keys::{Key, Values};
 
-pub(super) const KEYS: &[Key] = &[];
-
-pub(super) fn build(_values: &Values, _period_s: f64) -> Box<dyn Controller> {
-    Box::new(Ideal)
-}
-
-struct Ideal;
+pub(super) struct Ideal;
 
 impl Controller for Ideal {
     fn command(&mut self, _observation: &Observation, command: &mut Command) {

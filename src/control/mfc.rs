@@ -28,110 +28,83 @@
 use super::estimator::Window;
 use super::{Actuation, Command, Controller, Observation};
 use crate::columns::{Column, Slots, columns};
-use crate::keys::{Key, Kind, Values};
 use crate::lanes::{LANES, Lanes, vectorised};
+use crate::{choice, keys};
 
-const WINDOW_S: Key = Key {
-    name: "window_s",
-    kind: Kind::Number { unit: "s", min: 0.001, max: 5.0 },
-    default: "0.2",
-    help: "T, length of the estimator's window",
-};
-const ESTIMATOR: Key = Key {
-    name: "estimator",
-    kind: Kind::Choice(&["algebraic", "difference"]),
-    default: "\"algebraic\"",
-    help: "filter over the window, or the two-point formula F = dy/dt - alpha u",
-};
-const K_P: Key = Key {
-    name: "k_p",
-    kind: Kind::Number { unit: "1/s", min: 0.0, max: 1000.0 },
-    default: "1.0",
-    help: "K_P, rate at which the error decays if the estimate is right",
-};
-const ALPHA_NOMINAL: Key = Key {
-    name: "alpha_nominal",
-    kind: Kind::Number { unit: "m/s2 per u", min: 1e-6, max: 1e6 },
-    default: "1.0",
-    help: "alpha of the classic law and lower bound of the adapted one",
-};
-const ACCEL_PER_UNIT_MPS2: Key = Key {
-    name: "accel_per_unit_mps2",
-    kind: Kind::Number { unit: "m/s2 per u", min: 1e-6, max: 1e3 },
-    default: "1.0",
-    help: "b, acceleration of the nominal vehicle per unit of u: the torque is u*b*M*r",
-};
-const INPUT_ESTIMATE: Key = Key {
-    name: "input_estimate",
-    kind: Kind::Choice(&["commanded", "saturated", "applied"]),
-    default: "\"applied\"",
-    help: "torque in the estimator's window: as asked for, within limits, or as it acts (limits, delay, lag)",
-};
-const REFERENCE_RATE_MAX_MPS2: Key = Key {
-    name: "reference_rate_max_mps2",
-    kind: Kind::Number { unit: "m/s2", min: 0.0, max: 1e6 },
-    default: "20.0",
-    help: "rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether",
-};
-const EPSILON: Key = Key {
-    name: "epsilon",
-    kind: Kind::Number { unit: "u", min: 1e-9, max: 1e3 },
-    default: "0.01",
-    help: "keeps the adaptation finite at u = 0",
-};
-const WINDOW_ALPHA: Key = Key {
-    name: "window_alpha",
-    kind: Kind::Choice(&["updated", "used"]),
-    default: "\"updated\"",
-    help: "alpha times u in the window: with the alpha adapted after u (Algorithm 1) or with the one that gave u",
-};
-const RECOMPUTE_U: Key = Key {
-    name: "recompute_u",
-    kind: Kind::Flag,
-    default: "false",
-    help: "compute u once more with the adapted alpha before it is sent",
-};
-
-pub(super) const CLASSIC_KEYS: &[Key] =
-    &[K_P, ALPHA_NOMINAL, ACCEL_PER_UNIT_MPS2, WINDOW_S, ESTIMATOR, INPUT_ESTIMATE, REFERENCE_RATE_MAX_MPS2];
-
-pub(super) const ADAPTIVE_KEYS: &[Key] = &[
-    K_P,
-    ALPHA_NOMINAL,
-    ACCEL_PER_UNIT_MPS2,
-    WINDOW_S,
-    ESTIMATOR,
-    INPUT_ESTIMATE,
-    REFERENCE_RATE_MAX_MPS2,
-    EPSILON,
-    WINDOW_ALPHA,
-    RECOMPUTE_U,
-];
-
-pub(super) fn classic(values: &Values, period_s: f64) -> Box<dyn Controller> {
-    build(Law::classic(values), values, period_s)
+choice! {
+    /// How F is estimated.
+    pub(super) enum Estimator {
+        Algebraic = "algebraic",
+        Difference = "difference",
+    }
 }
 
-pub(super) fn adaptive(values: &Values, period_s: f64) -> Box<dyn Controller> {
+choice! {
+    /// Which torque the window is told about.
+    pub(super) enum InputEstimate {
+        Commanded = "commanded",
+        Saturated = "saturated",
+        Applied = "applied",
+    }
+}
+
+choice! {
+    /// Which α̂ the input in the window is multiplied with.
+    pub(super) enum WindowAlpha {
+        Updated = "updated",
+        Used = "used",
+    }
+}
+
+keys! {
+    /// Keys of the classic law.
+    pub(super) struct ClassicKeys {
+        /// K_P, rate at which the error decays if the estimate is right
+        k_p: f64 = 1.0, "1/s", 0.0..=1000.0;
+        /// alpha of the classic law and lower bound of the adapted one
+        alpha_nominal: f64 = 1.0, "m/s2 per u", 1e-6..=1e6;
+        /// b, acceleration of the nominal vehicle per unit of u: the torque is u*b*M*r
+        accel_per_unit_mps2: f64 = 1.0, "m/s2 per u", 1e-6..=1e3;
+        /// T, length of the estimator's window
+        window_s: f64 = 0.2, "s", 0.001..=5.0;
+        /// filter over the window, or the two-point formula F = dy/dt - alpha u
+        estimator: Estimator = Estimator::Algebraic;
+        /// torque in the estimator's window: as asked for, within limits, or as it acts (limits, delay, lag)
+        input_estimate: InputEstimate = InputEstimate::Applied;
+        /// rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether
+        reference_rate_max_mps2: f64 = 20.0, "m/s2", 0.0..=1e6;
+    }
+}
+
+keys! {
+    /// Keys of the adaptive law.
+    pub(super) struct AdaptiveKeys {
+        ..classic: ClassicKeys,
+        /// keeps the adaptation finite at u = 0
+        epsilon: f64 = 0.01, "u", 1e-9..=1e3;
+        /// alpha times u in the window: with the alpha adapted after u (Algorithm 1) or with the one that gave u
+        window_alpha: WindowAlpha = WindowAlpha::Updated;
+        /// compute u once more with the adapted alpha before it is sent
+        recompute_u: bool = false;
+    }
+}
+
+pub(super) fn classic(keys: ClassicKeys, period_s: f64) -> Mfc {
+    build(Law::classic(&keys), &keys, period_s)
+}
+
+pub(super) fn adaptive(keys: AdaptiveKeys, period_s: f64) -> Mfc {
     let adaptation = Adaptation {
-        epsilon: values.number("epsilon"),
-        window_uses_updated: values.text("window_alpha") == "updated",
-        recompute_u: values.flag("recompute_u"),
+        epsilon: keys.epsilon,
+        window_uses_updated: keys.window_alpha == WindowAlpha::Updated,
+        recompute_u: keys.recompute_u,
     };
-    build(Law { adaptation: Some(adaptation), ..Law::classic(values) }, values, period_s)
-}
-
-/// Which torque the window is told about.
-#[derive(Debug, Clone, Copy)]
-enum InputEstimate {
-    Commanded,
-    Saturated,
-    Applied,
+    build(Law { adaptation: Some(adaptation), ..Law::classic(&keys.classic) }, &keys.classic, period_s)
 }
 
 /// The constants of the law.
 #[derive(Debug, Clone, Copy)]
-struct Law {
+pub(super) struct Law {
     k_p: f64,
     alpha_nominal: f64,
     accel_per_unit_mps2: f64,
@@ -140,19 +113,19 @@ struct Law {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Adaptation {
+pub(super) struct Adaptation {
     epsilon: f64,
     window_uses_updated: bool,
     recompute_u: bool,
 }
 
 impl Law {
-    fn classic(values: &Values) -> Self {
+    fn classic(keys: &ClassicKeys) -> Self {
         Self {
-            k_p: values.number("k_p"),
-            alpha_nominal: values.number("alpha_nominal"),
-            accel_per_unit_mps2: values.number("accel_per_unit_mps2"),
-            rate_max_mps2: values.number("reference_rate_max_mps2"),
+            k_p: keys.k_p,
+            alpha_nominal: keys.alpha_nominal,
+            accel_per_unit_mps2: keys.accel_per_unit_mps2,
+            rate_max_mps2: keys.reference_rate_max_mps2,
             adaptation: None,
         }
     }
@@ -160,7 +133,7 @@ impl Law {
 
 columns! {
     /// Both laws for one block of vehicles.
-    struct Mfc(law: Law, input_estimate: InputEstimate, window: Window) {
+    pub(super) struct Mfc(law: Law, input_estimate: InputEstimate, window: Window) {
         shared {
             law: Law = law,
             input_estimate: InputEstimate = input_estimate,
@@ -178,14 +151,9 @@ columns! {
 }
 
 /// Either law, as the keys have it.
-fn build(law: Law, values: &Values, period_s: f64) -> Box<dyn Controller> {
-    let window_s = if values.text("estimator") == "difference" { period_s } else { values.number("window_s") };
-    let input_estimate = match values.text("input_estimate") {
-        "commanded" => InputEstimate::Commanded,
-        "saturated" => InputEstimate::Saturated,
-        _ => InputEstimate::Applied,
-    };
-    Box::new(Mfc::new(law, input_estimate, Window::new(window_s, period_s)))
+fn build(law: Law, keys: &ClassicKeys, period_s: f64) -> Mfc {
+    let window_s = if keys.estimator == Estimator::Difference { period_s } else { keys.window_s };
+    Mfc::new(law, keys.input_estimate, Window::new(window_s, period_s))
 }
 
 impl Controller for Mfc {

@@ -16,51 +16,23 @@
 
 use super::{Actuation, Command, Controller, Observation};
 use crate::columns::{Slots, columns};
-use crate::keys::{Key, Kind, Values};
+use crate::keys;
 use crate::lanes::{LANES, vectorised};
 
-pub(super) const KEYS: &[Key] = &[
-    Key {
-        name: "k_p",
-        kind: Kind::Number { unit: "1/s", min: 0.0, max: 1e6 },
-        default: "1.0",
-        help: "acceleration per speed error",
-    },
-    Key {
-        name: "k_i",
-        kind: Kind::Number { unit: "1/s2", min: 0.0, max: 1e6 },
-        default: "1.0",
-        help: "acceleration per integrated speed error",
-    },
-    Key {
-        name: "k_d",
-        kind: Kind::Number { unit: "-", min: 0.0, max: 1e3 },
-        default: "0.0",
-        help: "acceleration per rate of the speed error",
-    },
-    Key {
-        name: "k_ff",
-        kind: Kind::Number { unit: "-", min: 0.0, max: 10.0 },
-        default: "1.0",
-        help: "share of the reference's rate that is fed forward",
-    },
-    Key {
-        name: "reference_rate_max_mps2",
-        kind: Kind::Number { unit: "m/s2", min: 0.0, max: 1e6 },
-        default: "20.0",
-        help: "rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether",
-    },
-];
-
-pub(super) fn build(values: &Values, period_s: f64) -> Box<dyn Controller> {
-    let law = Law {
-        k_p: values.number("k_p"),
-        k_i_dt: values.number("k_i") * period_s,
-        k_d_per_dt: values.number("k_d") / period_s,
-        k_ff: values.number("k_ff"),
-        rate_max_mps2: values.number("reference_rate_max_mps2"),
-    };
-    Box::new(Pid { law, memory: Memory::default() })
+keys! {
+    /// Keys of the velocity form.
+    pub(super) struct PidKeys {
+        /// acceleration per speed error
+        k_p: f64 = 1.0, "1/s", 0.0..=1e6;
+        /// acceleration per integrated speed error
+        k_i: f64 = 1.0, "1/s2", 0.0..=1e6;
+        /// acceleration per rate of the speed error
+        k_d: f64 = 0.0, "-", 0.0..=1e3;
+        /// share of the reference's rate that is fed forward
+        k_ff: f64 = 1.0, "-", 0.0..=10.0;
+        /// rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether
+        reference_rate_max_mps2: f64 = 20.0, "m/s2", 0.0..=1e6;
+    }
 }
 
 /// The gains per period [1/s].
@@ -88,9 +60,22 @@ columns! {
     }
 }
 
-struct Pid {
+pub(super) struct Pid {
     law: Law,
     memory: Memory,
+}
+
+impl Pid {
+    pub(super) fn new(keys: PidKeys, period_s: f64) -> Self {
+        let law = Law {
+            k_p: keys.k_p,
+            k_i_dt: keys.k_i * period_s,
+            k_d_per_dt: keys.k_d / period_s,
+            k_ff: keys.k_ff,
+            rate_max_mps2: keys.reference_rate_max_mps2,
+        };
+        Self { law, memory: Memory::default() }
+    }
 }
 
 impl Controller for Pid {

@@ -3,11 +3,12 @@
 
 use super::error::CosimError;
 use crate::fleet::{ActuatorSetup, VehicleSetup};
-use crate::keys::{Key, Kind, Value, Values};
-use crate::plant::{BODIES, BODY_KEYS, Body};
+use crate::keys::{Key, Keys, Kind, Value};
+use crate::measurement::sigma_mps;
+use crate::plant::{ActuatorKeys, Body, BodyKeys};
 use crate::random::Stream;
 use crate::registry::find;
-use crate::scenario::Group;
+use crate::scenario::{Group, Preset};
 
 /// What is asked of SUMO about a vType.
 #[derive(Debug, Clone, Default)]
@@ -30,28 +31,9 @@ pub struct TypeFacts {
     pub probability: Option<f64>,
 }
 
-/// The actuators' keys as vehicle parameters.
-const ACTUATOR_KEYS: &[Key] = &[
-    Key {
-        name: "delay_s",
-        kind: Kind::Number { unit: "s", min: 0.0, max: DEAD_TIME_MAX_S },
-        default: "",
-        help: "dead time between command and torque",
-    },
-    Key {
-        name: "lag_s",
-        kind: Kind::Number { unit: "s", min: 0.0, max: 5.0 },
-        default: "",
-        help: "time constant of the torque behind the dead time",
-    },
-];
-
-/// Largest dead time that a vehicle parameter may ask for \[s\].
-pub const DEAD_TIME_MAX_S: f64 = 5.0;
-
 /// All keys that a vehicle or vType may carry as `mfc.<key>`.
 pub fn parameter_keys() -> impl Iterator<Item = &'static Key> {
-    BODY_KEYS.iter().filter(|k| !matches!(k.kind, Kind::File)).chain(ACTUATOR_KEYS)
+    BodyKeys::keys().iter().filter(|k| k.kind != Kind::File).chain(ActuatorKeys::keys())
 }
 
 /// Names under which SUMO is asked for the parameter of a key: `mfc.mass_kg` and, shorter, `mfc.mass`.
@@ -92,32 +74,34 @@ pub fn vehicle(
     seed: u64,
     speed_mps: f64,
 ) -> Result<VehicleSetup, CosimError> {
-    let preset = group.vehicle.preset.as_deref().or(preset_of_class(&facts.class)).unwrap_or("car");
-    let mut body = (find("body", BODIES, preset)?.build)();
-    if group.vehicle.preset.is_none() && matches!(preset, "bus" | "truck") {
+    let (preset, by_class) = match &group.vehicle.preset {
+        Preset::Named(preset) => (preset, false),
+        Preset::ByClass(bodies) => (find("body", bodies, preset_of_class(&facts.class).unwrap_or("car"))?, true),
+    };
+    let mut body = (preset.build)();
+    if by_class && matches!(preset.name, "bus" | "truck") {
         scale(&mut body, facts);
     }
-    body.apply(&group.vehicle.values);
+    let keys = BodyKeys::from_values(&group.vehicle.body.values);
+    body.apply(&keys);
     if let Some(curve) = tyre_curve {
         body.apply_tyre_curve(curve)?;
     }
     let nominal_nm_per_mps2 = body.nominal_nm_per_mps2();
-    cover_type(&mut body, facts, &group.vehicle.values);
+    cover_type(&mut body, facts, &keys);
 
-    let mut given = Values::default();
-    for (key, distribution) in &group.vehicle.spread {
-        given.0.insert(key, Value::Number(distribution.draw(seed, key, id)));
-    }
+    let mut given = group.vehicle.body.draw(seed, id);
+    let mut actuator = group.actuator.values.clone();
+    actuator.0.append(&mut group.actuator.draw(seed, id).0);
     for (index, text) in facts.parameters.iter().chain(parameters) {
         let key = parameter_keys().nth(*index).expect("an index of parameter_keys()");
         given.0.insert(key.name, parse(id, key, text)?);
     }
-    let actuator = ActuatorSetup {
-        dead_time_s: given.try_number("delay_s").unwrap_or_else(|| group.actuator.delay_s.of(seed, "delay_s", id)),
-        lag_s: given.try_number("lag_s").unwrap_or_else(|| group.actuator.lag_s.of(seed, "lag_s", id)),
-    };
-    body.apply(&given);
-    let noise = group.noise_power_db.map(|db| (Stream::new(seed, "noise", id), libm::pow(10.0, db / 20.0)));
+    body.apply(&BodyKeys::from_values(&given));
+    actuator.0.append(&mut given.0);
+    let actuator = ActuatorKeys::from_values(&actuator);
+    let actuator = ActuatorSetup { dead_time_s: actuator.delay_s, lag_s: actuator.lag_s };
+    let noise = group.noise.power_db.map(|db| (Stream::new(seed, "noise", id), sigma_mps(db)));
     let accel_mps2 = facts.accel_mps2;
     Ok(VehicleSetup { body, nominal_nm_per_mps2, actuator, accel_mps2, noise, speed_mps })
 }
@@ -139,14 +123,14 @@ fn scale(body: &mut Body, facts: &TypeFacts) {
 
 /// Torque limits that the scenario does not set are at least what the vType's accel and emergencyDecel ask for, with a
 /// reserve for catching up with the reference; what the tyres make of it is the tyres' affair.
-fn cover_type(body: &mut Body, facts: &TypeFacts, set: &Values) {
+fn cover_type(body: &mut Body, facts: &TypeFacts, set: &BodyKeys) {
     const RESERVE: f64 = 1.15;
     let given = (body.drive_torque_max_nm, body.brake_torque_max_nm);
     body.cover(RESERVE * facts.accel_mps2, RESERVE * facts.emergency_decel_mps2);
-    if set.try_number("drive_torque_max_nm").is_some() {
+    if set.drive_torque_max_nm.is_some() {
         body.drive_torque_max_nm = given.0;
     }
-    if set.try_number("brake_torque_max_nm").is_some() {
+    if set.brake_torque_max_nm.is_some() {
         body.brake_torque_max_nm = given.1;
     }
 }
@@ -173,12 +157,13 @@ fn parse(id: &str, key: &Key, text: &str) -> Result<Value, CosimError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plant::BODIES;
 
     #[test]
     fn parameters_have_a_short_name_without_the_unit() {
-        let mass = BODY_KEYS.iter().find(|k| k.name == "mass_kg").unwrap();
+        let mass = BodyKeys::keys().iter().find(|k| k.name == "mass_kg").unwrap();
         assert_eq!(parameter_names(mass), ["mfc.mass_kg", "mfc.mass"]);
-        let friction = BODY_KEYS.iter().find(|k| k.name == "friction").unwrap();
+        let friction = BodyKeys::keys().iter().find(|k| k.name == "friction").unwrap();
         assert_eq!(parameter_names(friction), ["mfc.friction"]);
     }
 
@@ -193,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_heavier_longer_bus_keeps_its_strength_per_mass() {
-        let mut bus = (find("body", BODIES, "bus").unwrap().build)();
+        let mut bus = (find("body", &BODIES, "bus").unwrap().build)();
         let before = bus.clone();
         let facts = TypeFacts { length_m: 18.0, mass_kg: Some(2.0 * before.mass_kg), ..TypeFacts::default() };
         scale(&mut bus, &facts);

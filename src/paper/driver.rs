@@ -116,7 +116,7 @@ fn drive(
     for (_, world) in &worlds {
         trips.extend(world.whole_trips(SEEDS)?);
     }
-    let every = (SERIES_EVERY_S / scenarios[0].1.control_period_s).round().max(1.0) as u32;
+    let every = (SERIES_EVERY_S / scenarios[0].1.coupling.control_period_s).round().max(1.0) as u32;
     let mut exact = vec![Vec::new(); worlds.len()];
     let mut periods = vec![0_u32; worlds.len()];
     let outcomes = first.drive(&trips, |trip, block, lane, time_s| {

@@ -352,7 +352,7 @@ mod tests {
 
     #[test]
     fn every_controller_has_a_colour_in_light_and_dark() {
-        for entry in crate::control::CONTROLLERS {
+        for entry in crate::control::CONTROLLERS.iter() {
             assert_eq!(STYLE.matches(&format!(".{}{{stroke", entry.name)).count(), 2, "{}", entry.name);
         }
     }

@@ -143,8 +143,8 @@ fn of_presets(lab: &Lab, results: &Results) -> Result<Vec<(f64, f64)>, PaperErro
         let overshoot = |controller| results.get("step", &preset.name, false, controller, "overshoot_1")?.value;
         let (Some(classic), Some(adaptive)) = (overshoot("classic"), overshoot("adaptive")) else { continue };
         let scenario = lab.library.scenario("step", preset, "adaptive", &[])?;
-        let window_s = scenario.groups[0].controller.values.number("window_s");
-        points.push(((scenario.control_period_s / window_s).sqrt(), adaptive / classic));
+        let window_s = scenario.groups[0].controller.values.get("window_s").unwrap_or(f64::NAN);
+        points.push(((scenario.coupling.control_period_s / window_s).sqrt(), adaptive / classic));
     }
     Ok(points)
 }

@@ -149,7 +149,7 @@ impl Library {
 fn concerns(controller: &str, path: &str) -> bool {
     let Some(key) = path.strip_prefix("controller.") else { return true };
     let has =
-        |name: &str| find("controller", CONTROLLERS, name).is_ok_and(|entry| entry.keys.iter().any(|k| k.name == key));
+        |name: &str| find("controller", &CONTROLLERS, name).is_ok_and(|entry| entry.keys.iter().any(|k| k.name == key));
     if MODEL_FREE.contains(&controller) { has(controller) || !MODEL_FREE.iter().any(|n| has(n)) } else { false }
 }
 

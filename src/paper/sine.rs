@@ -74,7 +74,7 @@ fn drive(
     controller: &'static str,
 ) -> Result<(Vec<Row>, Vec<Moment>), PaperError> {
     let world = World::new(scenario)?;
-    let wave_m = scenario.groups[0].target.values.number("sine_wavelength_m");
+    let wave_m = scenario.groups[0].target.values.get("sine_wavelength_m").unwrap_or(f64::NAN);
     let mut exact = Vec::new();
     let mut courses = vec![Course::default(); SEEDS + 1];
     let trips = world.trips(SEEDS, 0.0, End::Distance(WAVES * wave_m))?;

@@ -7,8 +7,7 @@ use crate::fleet::block::Block;
 use crate::fleet::follow::{Bound, Follow};
 use crate::fleet::{Fleet, Slot, VehicleSetup};
 use crate::lanes::LANES;
-use crate::reference::{Profile, TARGETS, Target};
-use crate::registry::find;
+use crate::reference::{Profile, Target};
 use crate::run::setup;
 use crate::scenario::Scenario;
 use crate::stats::VehicleStats;
@@ -108,7 +107,7 @@ impl<'a> World<'a> {
     /// [`PaperError`] if the profile cannot be had, or the target is none.
     pub fn new(scenario: &'a Scenario) -> Result<Self, PaperError> {
         let target = &scenario.groups[0].target;
-        let target = (find("target", TARGETS, target.name)?.build)(&target.values, Path::new(""))?;
+        let target = (target.entry.build)(&target.values, Path::new(""))?;
         let Target::Profile(profile) = target else { return Err(PaperError::NoProfile) };
         Ok(Self { scenario, profile, along_track: false })
     }
@@ -149,9 +148,9 @@ impl<'a> World<'a> {
         trips: &[Trip],
         mut watch: impl FnMut(usize, &mut Block, usize, f64),
     ) -> Result<Vec<Outcome>, PaperError> {
-        let period_s = self.scenario.control_period_s;
-        let group = setup::block(&self.scenario.groups[0], period_s)?;
-        let mut fleet = Fleet::new(setup::loop_config(self.scenario)?, vec![group]);
+        let period_s = self.scenario.coupling.control_period_s;
+        let group = setup::block(&self.scenario.groups[0], period_s);
+        let mut fleet = Fleet::new(setup::loop_config(self.scenario), vec![group]);
         let mut profiles: [&Profile; LANES] = [&self.profile; LANES];
         let mut waiting = 0..trips.len();
         let mut rides: Vec<Ride> = Vec::with_capacity(LANES);

@@ -1,7 +1,21 @@
 //! Actuators between a controller's torque and the wheels: limits, dead time, first-order lag.
 
 use crate::columns::{Slots, columns};
+use crate::keys;
 use crate::lanes::{LANES, Lanes};
+
+/// Largest dead time that can be asked for \[s\].
+pub const DEAD_TIME_MAX_S: f64 = 5.0;
+
+keys! {
+    /// Keys of a vehicle's actuators.
+    pub struct ActuatorKeys {
+        /// dead time between command and torque
+        delay_s: f64 = 0.0, "s", 0.0..=DEAD_TIME_MAX_S;
+        /// time constant of the torque behind the dead time
+        lag_s: f64 = 0.0, "s", 0.0..=5.0;
+    }
+}
 
 /// What became of the torques of one control period.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,8 +1,11 @@
 //! Vehicle bodies: constants, presets with their public sources, and the keys that override them.
 
 use super::tyre::{Identified, Tyre, TyreError, identify, read_curve};
-use crate::keys::{Key, Kind, Values};
+use crate::keys;
+use crate::keys::Keys;
 use crate::registry::Entry;
+use std::path::PathBuf;
+use std::sync::{Arc, LazyLock};
 
 /// Gravity g [m/s²].
 pub const GRAVITY_MPS2: f64 = 9.80665;
@@ -125,59 +128,52 @@ impl Body {
         self.mass_kg / self.wheelbase_m() * (self.rear_axle_m / front - self.front_axle_m / rear)
     }
 
-    /// Takes over the keys of [`BODY_KEYS`] that are set in `values`; the key `tyre_curve` names a file and is left to
+    /// Takes over the keys that are set; the key `tyre_curve` names a file and is left to
     /// the caller, see [`Body::apply_tyre_curve`].
-    pub fn apply(&mut self, values: &Values) {
-        for (name, field) in [
-            ("mass_kg", &mut self.mass_kg),
-            ("yaw_inertia_kgm2", &mut self.yaw_inertia_kgm2),
-            ("front_axle_m", &mut self.front_axle_m),
-            ("rear_axle_m", &mut self.rear_axle_m),
-            ("track_width_m", &mut self.track_width_m),
-            ("wheel_radius_m", &mut self.wheel_radius_m),
-            ("wheel_inertia_kgm2", &mut self.wheel_inertia_kgm2),
-            ("drive_front_share", &mut self.drive_front_share),
-            ("brake_front_share", &mut self.brake_front_share),
-            ("drive_torque_max_nm", &mut self.drive_torque_max_nm),
-            ("brake_torque_max_nm", &mut self.brake_torque_max_nm),
-            ("drag_area_m2", &mut self.drag_area_m2),
-            ("rolling_resistance", &mut self.rolling_resistance),
-            ("cg_height_m", &mut self.cg_height_m),
-            ("lateral_grip", &mut self.lateral_grip),
+    pub fn apply(&mut self, keys: &BodyKeys) {
+        for (field, value) in [
+            (&mut self.mass_kg, keys.mass_kg),
+            (&mut self.yaw_inertia_kgm2, keys.yaw_inertia_kgm2),
+            (&mut self.front_axle_m, keys.front_axle_m),
+            (&mut self.rear_axle_m, keys.rear_axle_m),
+            (&mut self.track_width_m, keys.track_width_m),
+            (&mut self.wheel_radius_m, keys.wheel_radius_m),
+            (&mut self.wheel_inertia_kgm2, keys.wheel_inertia_kgm2),
+            (&mut self.drive_front_share, keys.drive_front_share),
+            (&mut self.brake_front_share, keys.brake_front_share),
+            (&mut self.drive_torque_max_nm, keys.drive_torque_max_nm),
+            (&mut self.brake_torque_max_nm, keys.brake_torque_max_nm),
+            (&mut self.drag_area_m2, keys.drag_area_m2),
+            (&mut self.rolling_resistance, keys.rolling_resistance),
+            (&mut self.cg_height_m, keys.cg_height_m),
+            (&mut self.lateral_grip, keys.lateral_grip),
         ] {
-            set(field, values, name);
+            set(field, value);
         }
-        self.apply_tyres(values);
-        if values.0.contains_key("combined_slip") {
-            self.combined_slip = values.flag("combined_slip");
-        }
+        self.apply_tyres(keys);
+        self.combined_slip = keys.combined_slip.unwrap_or(self.combined_slip);
     }
 
     /// Tyre shapes and friction: the key without an axle or wheel first, then the more special one.
-    fn apply_tyres(&mut self, values: &Values) {
-        for friction in &mut self.friction {
-            set(friction, values, "friction");
-        }
-        for (wheel, name) in
-            ["friction_front_left", "friction_front_right", "friction_rear_left", "friction_rear_right"]
-                .iter()
-                .enumerate()
-        {
-            set(&mut self.friction[wheel], values, name);
+    fn apply_tyres(&mut self, keys: &BodyKeys) {
+        let special =
+            [keys.friction_front_left, keys.friction_front_right, keys.friction_rear_left, keys.friction_rear_right];
+        for (friction, special) in self.friction.iter_mut().zip(special) {
+            set(friction, special.or(keys.friction));
         }
         for axle in [0, 1] {
             let tyre = &mut self.longitudinal[axle];
-            set(&mut tyre.b, values, "longitudinal_b");
-            set(&mut tyre.c, values, "longitudinal_c");
-            set(&mut tyre.e, values, "longitudinal_e");
+            set(&mut tyre.b, keys.longitudinal_b);
+            set(&mut tyre.c, keys.longitudinal_c);
+            set(&mut tyre.e, keys.longitudinal_e);
             let tyre = &mut self.lateral[axle];
-            set(&mut tyre.b, values, "lateral_b");
-            set(&mut tyre.c, values, "lateral_c");
-            set(&mut tyre.e, values, "lateral_e");
+            set(&mut tyre.b, keys.lateral_b);
+            set(&mut tyre.c, keys.lateral_c);
+            set(&mut tyre.e, keys.lateral_e);
         }
         let mut stiffness = self.cornering_stiffness_nprad();
-        set(&mut stiffness[0], values, "front_stiffness_nprad");
-        set(&mut stiffness[1], values, "rear_stiffness_nprad");
+        set(&mut stiffness[0], keys.front_stiffness_nprad);
+        set(&mut stiffness[1], keys.rear_stiffness_nprad);
         if stiffness != self.cornering_stiffness_nprad() {
             self.set_cornering_stiffness(stiffness);
         }
@@ -196,26 +192,38 @@ impl Body {
     }
 }
 
-fn set(field: &mut f64, values: &Values, name: &str) {
-    if let Some(value) = values.try_number(name) {
-        *field = value;
-    }
+fn set(field: &mut f64, value: Option<f64>) {
+    *field = value.unwrap_or(*field);
+}
+
+/// Builds a body.
+pub type BuildBody = Arc<dyn Fn() -> Body + Send + Sync>;
+
+/// The entry of a body preset: its name, one line about it, and the body.
+pub fn preset(
+    name: &'static str,
+    summary: &'static str,
+    build: impl Fn() -> Body + Send + Sync + 'static,
+) -> Entry<BuildBody> {
+    Entry { name, summary, keys: BodyKeys::keys(), build: Arc::new(build) }
 }
 
 /// The bodies that can be chosen by name.
-pub static BODIES: &[Entry<fn() -> Body>] = &[
-    entry("car", "mid-size saloon, 1719 kg, front-wheel drive (usual set of the model-free control literature)", car),
-    entry("ford_escort", "compact car, 1226 kg, front-wheel drive (CommonRoad vehicle 1)", ford_escort),
-    entry("bmw_320i", "saloon, 1093 kg, rear-wheel drive (CommonRoad vehicle 2)", bmw_320i),
-    entry("vw_vanagon", "minibus, 1479 kg, rear-wheel drive (CommonRoad vehicle 3)", vw_vanagon),
-    entry("van", "delivery van of 3.5 t, loaded to 2.8 t (wheelbase and length of a Mercedes-Benz Sprinter)", van),
-    entry("bus", "city bus of 12 m, 14 t (data sheet of a Mercedes-Benz Citaro)", bus),
-    entry("truck", "rigid two-axle truck, 12 t (SUMO's default mass and length, UMTRI-86-12 tyres)", truck),
-];
-
-const fn entry(name: &'static str, summary: &'static str, build: fn() -> Body) -> Entry<fn() -> Body> {
-    Entry { name, summary, keys: BODY_KEYS, build }
-}
+pub static BODIES: LazyLock<Vec<Entry<BuildBody>>> = LazyLock::new(|| {
+    vec![
+        preset(
+            "car",
+            "mid-size saloon, 1719 kg, front-wheel drive (usual set of the model-free control literature)",
+            car,
+        ),
+        preset("ford_escort", "compact car, 1226 kg, front-wheel drive (CommonRoad vehicle 1)", ford_escort),
+        preset("bmw_320i", "saloon, 1093 kg, rear-wheel drive (CommonRoad vehicle 2)", bmw_320i),
+        preset("vw_vanagon", "minibus, 1479 kg, rear-wheel drive (CommonRoad vehicle 3)", vw_vanagon),
+        preset("van", "delivery van of 3.5 t, loaded to 2.8 t (wheelbase and length of a Mercedes-Benz Sprinter)", van),
+        preset("bus", "city bus of 12 m, 14 t (data sheet of a Mercedes-Benz Citaro)", bus),
+        preset("truck", "rigid two-axle truck, 12 t (SUMO's default mass and length, UMTRI-86-12 tyres)", truck),
+    ]
+});
 
 /// 1719 kg, I_z 3300 kg·m², l_f 1.195 m, l_r 1.513 m, r 0.3 m: the mid-size saloon used widely in the literature on
 /// model-free vehicle control. The paper gives no tyres: B = 10, C = 1.65, E = 0.5, μ = 1 are those of a passenger car on
@@ -348,50 +356,68 @@ fn truck() -> Body {
     heavy(12_000.0, [2.52, 1.68], 7.1, 0.4)
 }
 
-const fn number(name: &'static str, unit: &'static str, min: f64, max: f64, help: &'static str) -> Key {
-    Key { name, kind: Kind::Number { unit, min, max }, default: "", help }
+keys! {
+    /// Keys that override a preset. None has a default: what is not set stays as in the preset.
+    pub struct BodyKeys {
+        /// mass
+        mass_kg: Option<f64>, "kg", 50.0..=100_000.0;
+        /// yaw inertia
+        yaw_inertia_kgm2: Option<f64>, "kg m2", 10.0..=2e6;
+        /// centre of gravity to front axle
+        front_axle_m: Option<f64>, "m", 0.1..=20.0;
+        /// centre of gravity to rear axle
+        rear_axle_m: Option<f64>, "m", 0.1..=20.0;
+        /// track width; 0 = no yaw moment from left and right
+        track_width_m: Option<f64>, "m", 0.0..=4.0;
+        /// effective wheel radius
+        wheel_radius_m: Option<f64>, "m", 0.1..=1.5;
+        /// inertia of each wheel
+        wheel_inertia_kgm2: Option<f64>, "kg m2", 0.05..=200.0;
+        /// longitudinal tyre, stiffness factor B
+        longitudinal_b: Option<f64>, "-", 0.5..=100.0;
+        /// longitudinal tyre, shape factor C
+        longitudinal_c: Option<f64>, "-", 0.5..=2.5;
+        /// longitudinal tyre, curvature factor E
+        longitudinal_e: Option<f64>, "-", -20.0..=1.0;
+        /// lateral tyre, stiffness factor B
+        lateral_b: Option<f64>, "1/rad", 0.5..=100.0;
+        /// lateral tyre, shape factor C
+        lateral_c: Option<f64>, "-", 0.5..=2.5;
+        /// lateral tyre, curvature factor E
+        lateral_e: Option<f64>, "-", -20.0..=1.0;
+        /// cornering stiffness of the front axle; sets lateral B
+        front_stiffness_nprad: Option<f64>, "N/rad", 1e3..=1e7;
+        /// cornering stiffness of the rear axle; sets lateral B
+        rear_stiffness_nprad: Option<f64>, "N/rad", 1e3..=1e7;
+        /// friction of all wheels
+        friction: Option<f64>, "-", 0.01..=2.0;
+        /// friction of this wheel
+        friction_front_left: Option<f64>, "-", 0.01..=2.0;
+        /// friction of this wheel
+        friction_front_right: Option<f64>, "-", 0.01..=2.0;
+        /// friction of this wheel
+        friction_rear_left: Option<f64>, "-", 0.01..=2.0;
+        /// friction of this wheel
+        friction_rear_right: Option<f64>, "-", 0.01..=2.0;
+        /// lateral peak force over longitudinal peak force
+        lateral_grip: Option<f64>, "-", 0.1..=2.0;
+        /// share of the driving torque on the front axle
+        drive_front_share: Option<f64>, "-", 0.0..=1.0;
+        /// share of the braking torque on the front axle
+        brake_front_share: Option<f64>, "-", 0.0..=1.0;
+        /// largest driving torque, sum over the wheels
+        drive_torque_max_nm: Option<f64>, "N m", 0.0..=1e6;
+        /// largest braking torque, sum over the wheels
+        brake_torque_max_nm: Option<f64>, "N m", 0.0..=1e6;
+        /// drag area C_d A; 0 = no drag
+        drag_area_m2: Option<f64>, "m2", 0.0..=20.0;
+        /// rolling resistance coefficient; 0 = none
+        rolling_resistance: Option<f64>, "-", 0.0..=0.5;
+        /// height of the centre of gravity; 0 = no load transfer
+        cg_height_m: Option<f64>, "m", 0.0..=3.0;
+        /// friction ellipse: longitudinal force costs lateral force
+        combined_slip: Option<bool>;
+        /// CSV slip,force_n of one front wheel from which B, C, D and E are identified
+        tyre_curve: Option<PathBuf>;
+    }
 }
-
-/// Keys that override a preset. None has a default: what is not set stays as in the preset.
-pub const BODY_KEYS: &[Key] = &[
-    number("mass_kg", "kg", 50.0, 100_000.0, "mass"),
-    number("yaw_inertia_kgm2", "kg m2", 10.0, 2e6, "yaw inertia"),
-    number("front_axle_m", "m", 0.1, 20.0, "centre of gravity to front axle"),
-    number("rear_axle_m", "m", 0.1, 20.0, "centre of gravity to rear axle"),
-    number("track_width_m", "m", 0.0, 4.0, "track width; 0 = no yaw moment from left and right"),
-    number("wheel_radius_m", "m", 0.1, 1.5, "effective wheel radius"),
-    number("wheel_inertia_kgm2", "kg m2", 0.05, 200.0, "inertia of each wheel"),
-    number("longitudinal_b", "-", 0.5, 100.0, "longitudinal tyre, stiffness factor B"),
-    number("longitudinal_c", "-", 0.5, 2.5, "longitudinal tyre, shape factor C"),
-    number("longitudinal_e", "-", -20.0, 1.0, "longitudinal tyre, curvature factor E"),
-    number("lateral_b", "1/rad", 0.5, 100.0, "lateral tyre, stiffness factor B"),
-    number("lateral_c", "-", 0.5, 2.5, "lateral tyre, shape factor C"),
-    number("lateral_e", "-", -20.0, 1.0, "lateral tyre, curvature factor E"),
-    number("front_stiffness_nprad", "N/rad", 1e3, 1e7, "cornering stiffness of the front axle; sets lateral B"),
-    number("rear_stiffness_nprad", "N/rad", 1e3, 1e7, "cornering stiffness of the rear axle; sets lateral B"),
-    number("friction", "-", 0.01, 2.0, "friction of all wheels"),
-    number("friction_front_left", "-", 0.01, 2.0, "friction of this wheel"),
-    number("friction_front_right", "-", 0.01, 2.0, "friction of this wheel"),
-    number("friction_rear_left", "-", 0.01, 2.0, "friction of this wheel"),
-    number("friction_rear_right", "-", 0.01, 2.0, "friction of this wheel"),
-    number("lateral_grip", "-", 0.1, 2.0, "lateral peak force over longitudinal peak force"),
-    number("drive_front_share", "-", 0.0, 1.0, "share of the driving torque on the front axle"),
-    number("brake_front_share", "-", 0.0, 1.0, "share of the braking torque on the front axle"),
-    number("drive_torque_max_nm", "N m", 0.0, 1e6, "largest driving torque, sum over the wheels"),
-    number("brake_torque_max_nm", "N m", 0.0, 1e6, "largest braking torque, sum over the wheels"),
-    number("drag_area_m2", "m2", 0.0, 20.0, "drag area C_d A; 0 = no drag"),
-    number("rolling_resistance", "-", 0.0, 0.5, "rolling resistance coefficient; 0 = none"),
-    number("cg_height_m", "m", 0.0, 3.0, "height of the centre of gravity; 0 = no load transfer"),
-    Key {
-        name: "combined_slip",
-        kind: Kind::Flag,
-        default: "",
-        help: "friction ellipse: longitudinal force costs lateral force",
-    },
-    Key {
-        name: "tyre_curve",
-        kind: Kind::File,
-        default: "",
-        help: "CSV slip,force_n of one front wheel from which B, C, D and E are identified",
-    },
-];

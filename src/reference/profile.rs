@@ -3,74 +3,72 @@
 use super::ReferenceError;
 use super::index::Index;
 use super::recording::{self, RecordingOptions, Track};
-use crate::keys::{Key, Kind, Values};
 use crate::trig::{Polynomial, Trig};
+use crate::{choice, keys};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-pub(super) const KEYS: &[Key] = &[
-    Key {
-        name: "shape",
-        kind: Kind::Choice(&["file", "step", "sine"]),
-        default: "\"file\"",
-        help: "where the profile comes from",
-    },
-    Key {
-        name: "by",
-        kind: Kind::Choice(&["auto", "position", "time"]),
-        default: "\"auto\"",
-        help: "over position or time; auto: as the file says, recordings with stops by time, others by position",
-    },
-    Key {
-        name: "file",
-        kind: Kind::File,
-        default: "",
-        help: "CSV s_m,v_mps or t_s,v_mps, a recording t,vx,vy,yaw_rate, or a SUMO driving cycle t;v",
-    },
-    Key {
-        name: "smooth_s",
-        kind: Kind::Number { unit: "s", min: 0.0, max: 600.0 },
-        default: "1.0",
-        help: "moving average over the speeds of a recording of 10 Hz or more; 0 = off",
-    },
-    Key {
-        name: "speed_unit",
-        kind: Kind::Choice(&["m/s", "km/h"]),
-        default: "\"m/s\"",
-        help: "unit of speeds whose column does not name one",
-    },
-    Key {
-        name: "step_at",
-        kind: Kind::Text,
-        default: "\"0, 100\"",
-        help: "where the steps are: positions [m], or times [s] if by = \"time\"",
-    },
-    Key { name: "step_speeds_mps", kind: Kind::Text, default: "\"10, 20\"", help: "the speed from each step on [m/s]" },
-    Key {
-        name: "sine_mean_mps",
-        kind: Kind::Number { unit: "m/s", min: 0.0, max: 100.0 },
-        default: "15.0",
-        help: "mean of the sine",
-    },
-    Key {
-        name: "sine_amplitude_mps",
-        kind: Kind::Number { unit: "m/s", min: 0.0, max: 100.0 },
-        default: "5.0",
-        help: "amplitude of the sine",
-    },
-    Key {
-        name: "sine_wavelength_m",
-        kind: Kind::Number { unit: "m", min: 0.1, max: 1e6 },
-        default: "200.0",
-        help: "wavelength of the sine over position",
-    },
-    Key {
-        name: "sine_period_s",
-        kind: Kind::Number { unit: "s", min: 0.1, max: 1e6 },
-        default: "20.0",
-        help: "period of the sine over time",
-    },
-];
+choice! {
+    /// Where a profile comes from.
+    pub enum Source {
+        /// A file.
+        File = "file",
+        /// Steps.
+        Step = "step",
+        /// A sine.
+        Sine = "sine",
+    }
+}
+
+choice! {
+    /// What a profile is to be a function of.
+    pub enum By {
+        /// As the file says.
+        Auto = "auto",
+        /// Driven distance.
+        Position = "position",
+        /// Time since the vehicle's start.
+        Time = "time",
+    }
+}
+
+choice! {
+    /// Unit of speeds whose column does not name one.
+    pub enum SpeedUnit {
+        /// m/s
+        MetresPerSecond = "m/s",
+        /// km/h
+        KilometresPerHour = "km/h",
+    }
+}
+
+keys! {
+    /// Keys of the target `profile`.
+    pub struct ProfileKeys {
+        /// where the profile comes from
+        shape: Source = Source::File;
+        /// over position or time; auto: as the file says, recordings with stops by time, others by position
+        by: By = By::Auto;
+        /// CSV s_m,v_mps or t_s,v_mps, a recording t,vx,vy,yaw_rate, or a SUMO driving cycle t;v
+        file: Option<PathBuf>;
+        /// moving average over the speeds of a recording of 10 Hz or more; 0 = off
+        smooth_s: f64 = 1.0, "s", 0.0..=600.0;
+        /// unit of speeds whose column does not name one
+        speed_unit: SpeedUnit = SpeedUnit::MetresPerSecond;
+        /// where the steps are: positions [m], or times [s] if by = "time"
+        step_at: String = "0, 100";
+        /// the speed from each step on [m/s]
+        step_speeds_mps: String = "10, 20";
+        /// mean of the sine
+        sine_mean_mps: f64 = 15.0, "m/s", 0.0..=100.0;
+        /// amplitude of the sine
+        sine_amplitude_mps: f64 = 5.0, "m/s", 0.0..=100.0;
+        /// wavelength of the sine over position
+        sine_wavelength_m: f64 = 200.0, "m", 0.1..=1e6;
+        /// period of the sine over time
+        sine_period_s: f64 = 20.0, "s", 0.1..=1e6;
+    }
+}
 
 /// What a profile is a function of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,40 +80,39 @@ pub enum Axis {
 }
 
 /// Builds the profile that the keys describe.
-pub(super) fn build(values: &Values, folder: &Path) -> Result<Profile, ReferenceError> {
-    let by = match values.text("by") {
-        "position" => Some(Axis::Position),
-        "time" => Some(Axis::Time),
-        _ => None,
+pub(super) fn build(keys: &ProfileKeys, folder: &Path) -> Result<Profile, ReferenceError> {
+    let by = match keys.by {
+        By::Auto => None,
+        By::Position => Some(Axis::Position),
+        By::Time => Some(Axis::Time),
     };
-    match values.text("shape") {
-        "step" => {
-            let (at, speeds_mps) = (numbers(values, "step_at")?, numbers(values, "step_speeds_mps")?);
+    match keys.shape {
+        Source::Step => {
+            let at = numbers("step_at", &keys.step_at)?;
+            let speeds_mps = numbers("step_speeds_mps", &keys.step_speeds_mps)?;
             Profile::step(by.unwrap_or(Axis::Position), &at, &speeds_mps)
         }
-        "sine" => {
+        Source::Sine => {
             let by = by.unwrap_or(Axis::Position);
-            let length = values.number(if by == Axis::Time { "sine_period_s" } else { "sine_wavelength_m" });
-            Profile::sine(by, values.number("sine_mean_mps"), values.number("sine_amplitude_mps"), length)
+            let length = if by == Axis::Time { keys.sine_period_s } else { keys.sine_wavelength_m };
+            Profile::sine(by, keys.sine_mean_mps, keys.sine_amplitude_mps, length)
         }
-        _ => {
-            let file = values.try_text("file").ok_or_else(|| ReferenceError::Value {
+        Source::File => {
+            let file = keys.file.as_ref().ok_or_else(|| ReferenceError::Value {
                 key: "file",
                 found: "nothing".to_owned(),
                 wanted: "a profile's file, or shape = \"step\" or \"sine\"",
             })?;
-            let options = RecordingOptions {
-                by,
-                smooth_s: values.number("smooth_s"),
-                speed_unit_mps: if values.text("speed_unit") == "km/h" { 1.0 / 3.6 } else { 1.0 },
+            let speed_unit_mps = match keys.speed_unit {
+                SpeedUnit::MetresPerSecond => 1.0,
+                SpeedUnit::KilometresPerHour => 1.0 / 3.6,
             };
-            Profile::from_file(&folder.join(file), &options)
+            Profile::from_file(&folder.join(file), &RecordingOptions { by, smooth_s: keys.smooth_s, speed_unit_mps })
         }
     }
 }
 
-fn numbers(values: &Values, key: &'static str) -> Result<Vec<f64>, ReferenceError> {
-    let text = values.text(key);
+fn numbers(key: &'static str, text: &str) -> Result<Vec<f64>, ReferenceError> {
     let parsed: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
     parsed.map_err(|_| ReferenceError::Value { key, found: format!("\"{text}\""), wanted: "numbers like \"0, 100\"" })
 }

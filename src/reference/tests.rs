@@ -227,7 +227,7 @@ fn val_the_shipped_cycles_have_their_published_length_and_top_speed() {
 #[test]
 fn the_registry_builds_each_target_from_its_keys() {
     let build = |name, changes: &[(&'static str, &str)]| {
-        let entry = find("target", TARGETS, name).unwrap();
+        let entry = find("target", &TARGETS, name).unwrap();
         let defaults = Values::defaults(entry.keys);
         let values = changes.iter().fold(defaults, |v, (k, x)| v.with(k, Value::Text((*x).to_owned())));
         (entry.build)(&values, Path::new("scenarios"))

@@ -95,7 +95,7 @@ struct Names(Vec<[Arc<str>; 2]>);
 
 impl Names {
     fn new(scenario: &Scenario) -> Self {
-        Self(scenario.groups.iter().map(|g| [Arc::from(g.controller.name), Arc::from(g.target.name)]).collect())
+        Self(scenario.groups.iter().map(|g| [Arc::from(g.controller.name()), Arc::from(g.target.name())]).collect())
     }
 }
 

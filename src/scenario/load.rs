@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    Actuator, Catalog, Choice, Coupling, Group, Options, Output, Override, Quantity, Scenario, ScenarioError, Selector,
-    Trace, Traffic, Vehicle,
-    catalog::{ACTUATOR_KEYS, COUPLING_KEYS, NOISE_KEYS, OUTPUT_KEYS, PRESET_KEY, SUMO_KEYS, SUMO_LISTS, TRAFFIC_KEYS},
+    Catalog, Choice, Group, Output, Override, PerVehicle, Preset, Scenario, ScenarioError, Selector, Vehicle,
     document::{self, Entry, Node, Table},
-    section::{Checked, Section, existing, known, text, texts},
+    section::{Section, known, text},
+    sections::SumoKeys,
 };
 use crate::{
-    keys::{Key, Kind},
-    registry::UnknownName,
+    keys::{Key, Keys, Kind},
+    plant::ActuatorKeys,
+    registry::{self, UnknownName, find},
     sumo_files::{Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, is_xml, ours},
 };
 
@@ -108,15 +108,13 @@ fn read(path: &Path) -> Result<Table, ScenarioError> {
 /// left out, and the user is told.
 fn forget_other_choice(root: &mut Table, given: &Override, catalog: &Catalog, notes: &mut Vec<String>) {
     let Some((section, "name")) = given.path.split_once('.') else { return };
-    let Some((options, default)) = choices(catalog).into_iter().find(|c| c.0 == section).map(|c| (c.1, c.2)) else {
-        return;
-    };
+    let Some((_, entries)) = catalog.registries().into_iter().find(|(kind, _)| *kind == section) else { return };
     let Some(Entry { node: Node::Table(table), .. }) = root.get_mut(section) else { return };
     let old = match table.get("name").map(|e| &e.node) {
         Some(Node::Text(name)) => name.clone(),
-        _ => default.to_owned(),
+        _ => entries.first().map_or("", |default| default.name).to_owned(),
     };
-    if given.value.trim_matches('"') == old || options.find(&old).is_err() {
+    if given.value.trim_matches('"') == old || entries.iter().all(|e| e.name != old) {
         return;
     }
     let dropped: Vec<String> =
@@ -127,32 +125,19 @@ fn forget_other_choice(root: &mut Table, given: &Override, catalog: &Catalog, no
     }
 }
 
-/// The sections that choose from a registry, with their defaults.
-pub(super) fn choices(catalog: &Catalog) -> [(&'static str, &Options, &'static str); 3] {
-    [
-        ("controller", &catalog.controllers, "adaptive"),
-        ("target", &catalog.targets, "traffic"),
-        ("plant", &catalog.plants, "seven_dof"),
-    ]
-}
-
 fn resolve(request: &Request, root: &Table, catalog: &Catalog, offline: bool) -> Result<Scenario, ScenarioError> {
     let section = |name: &str| section(root, name, name);
     let (sumo, mut inputs) = sumo(&section("sumo")?, offline)?;
-    let coupling = check("coupling", COUPLING_KEYS, &section("coupling")?)?.values;
-    let traffic = check("traffic", TRAFFIC_KEYS, &section("traffic")?)?.values;
     let egos = section("egos")?;
     known("egos", &egos, &["select"])?;
-    let [_, _, (_, plants, plant)] = choices(catalog);
-    let plant = choice("plant", plants, plant, &section("plant")?, &mut inputs)?;
+    let plant = choice("plant", "plant", &catalog.plants, &section("plant")?, &mut inputs)?;
     let scenario = Scenario {
         name: name(request, root, &sumo)?,
         egos: selector(&egos, "egos.select")?.unwrap_or(Selector::All),
         groups: groups(root, catalog, &mut inputs)?,
         plant,
-        control_period_s: coupling.number("control_period_s"),
-        coupling: Coupling { lead_mps: coupling.number("lead_mps"), grade: coupling.flag("grade") },
-        traffic: Traffic { sigma: traffic.try_number("sigma") },
+        coupling: keys("coupling", &section("coupling")?)?,
+        traffic: keys("traffic", &section("traffic")?)?,
         output: output(&section("output")?)?,
         sumo,
         inputs,
@@ -180,8 +165,9 @@ fn wrong(entry: &Entry, key: &str, wanted: &str) -> ScenarioError {
     }
 }
 
-fn check(path: &str, keys: &[crate::keys::Key], table: &Table) -> Result<Checked, ScenarioError> {
-    Section { path, keys, others: &[], spread: false }.check(table)
+/// The keys of a section.
+fn keys<K: Keys>(path: &str, table: &Table) -> Result<K, ScenarioError> {
+    Ok(K::from_values(&Section { path, keys: K::keys(), others: &[], spread: false }.check(table)?.values))
 }
 
 fn name(request: &Request, root: &Table, sumo: &SumoSetup) -> Result<String, ScenarioError> {
@@ -206,17 +192,10 @@ fn name(request: &Request, root: &Table, sumo: &SumoSetup) -> Result<String, Sce
 }
 
 fn sumo(table: &Table, offline: bool) -> Result<(SumoSetup, Vec<PathBuf>), ScenarioError> {
-    let lists: Vec<&str> = SUMO_LISTS.iter().map(|l| l.0).collect();
-    let values = Section { path: "sumo", keys: SUMO_KEYS, others: &lists, spread: false }.check(table)?.values;
-    let files = |key: &str| -> Result<Vec<PathBuf>, ScenarioError> {
-        let Some(entry) = table.get(key) else { return Ok(Vec::new()) };
-        let path = format!("sumo.{key}");
-        texts(entry, &path)?.iter().map(|f| existing(entry, &path, f)).collect()
-    };
-    let (routes, additional) = (files("routes")?, files("additional")?);
-    let source = match (values.try_text("config"), values.try_text("net"), values.try_text("connect")) {
-        (Some(config), None, _) => Source::Config(config.into()),
-        (None, Some(net), _) => Source::Network { net: net.into(), routes, additional },
+    let keys: SumoKeys = keys("sumo", table)?;
+    let source = match (keys.config, keys.net, &keys.connect) {
+        (Some(config), None, _) => Source::Config(config),
+        (None, Some(net), _) => Source::Network { net, routes: keys.routes, additional: keys.additional },
         (None, None, Some(_)) => Source::Running,
         (None, None, None) if offline => Source::Offline,
         (None, None, None) => return Err(ScenarioError::NoSource("nothing to run".to_owned())),
@@ -229,22 +208,22 @@ fn sumo(table: &Table, offline: bool) -> Result<(SumoSetup, Vec<PathBuf>), Scena
     {
         return Err(wrong(entry, &format!("sumo.{key}"), "sumo.net beside it"));
     }
-    if let Some(connect) = values.try_text("connect")
+    if let Some(connect) = &keys.connect
         && connect.rsplit_once(':').is_none_or(|(host, port)| host.is_empty() || port.parse::<u16>().is_err())
     {
         return Err(wrong(&table["connect"], "sumo.connect", "HOST:PORT"));
     }
     let setup = SumoSetup {
         source,
-        step_length_s: values.number("step_length_s"),
-        end_s: values.try_number("end_s"),
-        seed: values.try_integer("seed").unwrap_or_default().unsigned_abs(),
-        ballistic: values.flag("ballistic"),
-        options: options(table)?,
-        gui: values.flag("gui"),
-        port: values.try_integer("port").and_then(|p| u16::try_from(p).ok()),
-        num_clients: values.try_integer("num_clients").and_then(|n| u32::try_from(n).ok()).unwrap_or(1),
-        connect: values.try_text("connect").map(str::to_owned),
+        step_length_s: keys.step_length_s,
+        end_s: keys.end_s,
+        seed: u64::from(keys.seed),
+        ballistic: keys.ballistic,
+        options: options(table, keys.options)?,
+        gui: keys.gui,
+        port: keys.port,
+        num_clients: keys.num_clients,
+        connect: keys.connect,
     };
     let inputs = match &setup.source {
         Source::Config(config) => vec![config.clone()],
@@ -256,35 +235,29 @@ fn sumo(table: &Table, offline: bool) -> Result<(SumoSetup, Vec<PathBuf>), Scena
     Ok((setup, inputs))
 }
 
-fn options(table: &Table) -> Result<Vec<String>, ScenarioError> {
-    let Some(entry) = table.get("options") else { return Ok(Vec::new()) };
-    let options = texts(entry, "sumo.options")?;
-    match ours(&options) {
-        None => Ok(options),
-        Some((option, instead)) => Err(ScenarioError::WrongValue {
+/// SUMO's further options, of which none is set here already.
+fn options(table: &Table, options: Vec<String>) -> Result<Vec<String>, ScenarioError> {
+    match (ours(&options), table.get("options")) {
+        (Some((option, instead)), Some(entry)) => Err(ScenarioError::WrongValue {
             place: entry.place.clone(),
             key: "sumo.options".to_owned(),
             found: option,
             wanted: format!("{instead} in its place"),
         }),
+        _ => Ok(options),
     }
 }
 
 fn output(table: &Table) -> Result<Output, ScenarioError> {
-    let values = check("output", OUTPUT_KEYS, table)?.values;
-    let file = |key: &str| {
-        let name = values.text(key);
+    let output: Output = keys("output", table)?;
+    for (key, name) in [("vehicles", &output.vehicles), ("trace_file", &output.trace_file)] {
         let plain = !name.contains(['/', '\\']) && [".csv", ".parquet", ".xml"].iter().any(|e| name.ends_with(e));
-        let wanted = "a file name without folder that ends in .csv, .parquet or .xml";
-        if plain { Ok(name.to_owned()) } else { Err(wrong(&table[key], &format!("output.{key}"), wanted)) }
-    };
-    let trace = match values.text("trace") {
-        "" | "none" => Trace::None,
-        "all" => Trace::All,
-        ids => Trace::Ids(ids.split(',').map(|id| id.trim().to_owned()).filter(|id| !id.is_empty()).collect()),
-    };
-    let (vehicles, trace_file) = (file("vehicles")?, file("trace_file")?);
-    Ok(Output { vehicles, trace, trace_period_s: values.try_number("trace_period_s"), trace_file })
+        if !plain {
+            let wanted = "a file name without folder that ends in .csv, .parquet or .xml";
+            return Err(wrong(&table[key], &format!("output.{key}"), wanted));
+        }
+    }
+    Ok(output)
 }
 
 fn selector(table: &Table, path: &str) -> Result<Option<Selector>, ScenarioError> {
@@ -292,26 +265,27 @@ fn selector(table: &Table, path: &str) -> Result<Option<Selector>, ScenarioError
     Selector::parse(text(entry, path)?).map(Some).map_err(|wanted| wrong(entry, path, &wanted))
 }
 
-/// The name that `table` picks from a registry, with the values of its keys.
-fn choice(
+/// What `table` picks from the entries of a kind, with the values of its keys; the first entry is the default.
+fn choice<B: Clone>(
+    kind: &'static str,
     path: &str,
-    options: &Options,
-    default: &str,
+    entries: &[registry::Entry<B>],
     table: &Table,
     inputs: &mut Vec<PathBuf>,
-) -> Result<Choice, ScenarioError> {
-    let entry = table.get("name");
-    let name = entry.map(|e| text(e, &format!("{path}.name"))).transpose()?.unwrap_or(default);
-    let named = match (options.find(name), entry) {
-        (Ok(named), _) => named,
-        (Err(unknown), Some(entry)) => return Err(unknown_name(entry, &format!("{path}.name"), unknown)),
-        (Err(unknown), None) => panic!("the default is in the registry: {unknown}"),
+) -> Result<Choice<B>, ScenarioError> {
+    let key = format!("{path}.name");
+    let chosen = match table.get("name") {
+        None => &entries[0],
+        Some(entry) => {
+            let name = text(entry, &key)?;
+            find(kind, entries, name).map_err(|unknown| unknown_name(entry, &key, unknown))?
+        }
     };
-    let values = Section { path, keys: named.keys, others: &["name"], spread: false }.check(table)?.values;
-    for key in named.keys.iter().filter(|k| k.kind == Kind::File) {
-        inputs.extend(values.try_text(key.name).map(PathBuf::from));
+    let values = Section { path, keys: chosen.keys, others: &["name"], spread: false }.check(table)?.values;
+    for key in chosen.keys.iter().filter(|k| k.kind == Kind::File) {
+        inputs.extend(values.get::<PathBuf>(key.name));
     }
-    Ok(Choice { name: named.name, values })
+    Ok(Choice { entry: chosen.clone(), values })
 }
 
 fn unknown_name(entry: &Entry, key: &str, unknown: UnknownName) -> ScenarioError {
@@ -347,8 +321,8 @@ fn group(
 ) -> Result<Group, ScenarioError> {
     let path = |name: &str| own.map_or(name.to_owned(), |(path, _)| format!("{path}.{name}"));
     // A group inherits the file's section key by key, unless it chooses another name: then the keys are others too.
-    let merged = |name: &str, default: &str| -> Result<Table, ScenarioError> {
-        let keys = if name == "vehicle" { catalog.body_keys } else { &[] };
+    let merged = |name: &str, default: Option<&str>| -> Result<Table, ScenarioError> {
+        let keys = if name == "vehicle" { body_keys(catalog) } else { &[] };
         let top = undotted(section(root, name, name)?, keys);
         let Some((_, own)) = own else { return Ok(top) };
         let own = undotted(section(own, name, &path(name))?, keys);
@@ -356,21 +330,28 @@ fn group(
             Some(Node::Text(name)) => Some(name.clone()),
             _ => None,
         };
-        let inherited = named(&top).unwrap_or_else(|| default.to_owned());
-        let mut table = if named(&own).is_some_and(|n| n != inherited) { Table::new() } else { top };
+        let inherited = named(&top).or(default.map(str::to_owned));
+        let mut table = if named(&own).is_some() && named(&own) != inherited { Table::new() } else { top };
         table.extend(own);
         Ok(table)
     };
-    let [(_, controllers, controller), (_, targets, target), _] = choices(catalog);
-    let noise = check(&path("noise"), NOISE_KEYS, &merged("noise", "")?)?.values;
+    let controllers = &catalog.controllers;
+    let targets = &catalog.targets;
+    let controller = merged("controller", controllers.first().map(|e| e.name))?;
+    let target = merged("target", targets.first().map(|e| e.name))?;
     Ok(Group {
         select,
-        controller: choice(&path("controller"), controllers, controller, &merged("controller", controller)?, inputs)?,
-        target: choice(&path("target"), targets, target, &merged("target", target)?, inputs)?,
-        vehicle: vehicle(&path("vehicle"), &merged("vehicle", "")?, catalog, inputs)?,
-        actuator: actuator(&path("actuator"), &merged("actuator", "")?)?,
-        noise_power_db: noise.try_number("power_db"),
+        controller: choice("controller", &path("controller"), controllers, &controller, inputs)?,
+        target: choice("target", &path("target"), targets, &target, inputs)?,
+        vehicle: vehicle(&path("vehicle"), &merged("vehicle", None)?, catalog, inputs)?,
+        actuator: per_vehicle(&path("actuator"), ActuatorKeys::keys(), &[], &merged("actuator", None)?)?,
+        noise: keys(&path("noise"), &merged("noise", None)?)?,
     })
+}
+
+/// The keys of a body; all presets have the same.
+fn body_keys(catalog: &Catalog) -> &'static [Key] {
+    catalog.bodies.first().map_or(&[], |body| body.keys)
 }
 
 /// Keys may be written with a dot in place of their first underscore, `tyre.curve` for `tyre_curve`: a table under a name that is no
@@ -393,33 +374,29 @@ fn undotted(table: Table, keys: &[Key]) -> Table {
 }
 
 fn vehicle(path: &str, table: &Table, catalog: &Catalog, inputs: &mut Vec<PathBuf>) -> Result<Vehicle, ScenarioError> {
-    let checked = Section { path, keys: catalog.body_keys, others: &[PRESET_KEY.name], spread: true }.check(table)?;
-    let preset = match table.get(PRESET_KEY.name) {
-        None => None,
+    let body = per_vehicle(path, body_keys(catalog), &["preset"], table)?;
+    let preset = match table.get("preset") {
+        None => Preset::ByClass(catalog.bodies.clone()),
         Some(entry) => {
             let key = format!("{path}.preset");
             let name = text(entry, &key)?;
-            Some(catalog.bodies.find(name).map_err(|unknown| unknown_name(entry, &key, unknown))?.name.to_owned())
+            let found = find("body", &catalog.bodies, name).map_err(|unknown| unknown_name(entry, &key, unknown))?;
+            Preset::Named(found.clone())
         }
     };
-    for key in catalog.body_keys.iter().filter(|k| k.kind == Kind::File) {
-        inputs.extend(checked.values.try_text(key.name).map(PathBuf::from));
+    for key in body_keys(catalog).iter().filter(|k| k.kind == Kind::File) {
+        inputs.extend(body.values.get::<PathBuf>(key.name));
     }
-    Ok(Vehicle { preset, values: checked.values, spread: checked.spread })
+    Ok(Vehicle { preset, body })
 }
 
-fn actuator(path: &str, table: &Table) -> Result<Actuator, ScenarioError> {
-    let Checked { values, spread } = Section { path, keys: ACTUATOR_KEYS, others: &[], spread: true }.check(table)?;
-    let quantity = |key: &str| match spread.iter().find(|(name, _)| *name == key) {
-        Some((_, distribution)) => Quantity::Drawn(*distribution),
-        None => Quantity::Fixed(values.number(key)),
-    };
-    Ok(Actuator { delay_s: quantity("delay_s"), lag_s: quantity("lag_s") })
+fn per_vehicle(path: &str, keys: &[Key], others: &[&str], table: &Table) -> Result<PerVehicle, ScenarioError> {
+    Section { path, keys, others, spread: true }.check(table)
 }
 
 /// SUMO rounds its step to 1 ms, and a step holds whole control periods.
 fn whole_periods(scenario: &Scenario, root: &Table) -> Result<(), ScenarioError> {
-    let (step_s, period_s) = (scenario.sumo.step_length_s, scenario.control_period_s);
+    let (step_s, period_s) = (scenario.sumo.step_length_s, scenario.coupling.control_period_s);
     let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() < 1e-6 * ratio;
     let wanted = if !whole(step_s / 0.001) {
         "a whole number of milliseconds, as SUMO has it".to_owned()

@@ -2,16 +2,16 @@
 
 use std::fmt::Write;
 
-use toml_edit::Value as Toml;
-
 use super::{
-    Catalog, Choice, Distribution, Group, Named, Options, Quantity, Scenario, Trace,
-    catalog::{ACTUATOR_KEYS, COUPLING_KEYS, NOISE_KEYS, OUTPUT_KEYS, PRESET_KEY, SUMO_KEYS, SUMO_LISTS, TRAFFIC_KEYS},
-    load::choices,
+    Catalog, Choice, Group, PerVehicle, Preset, Scenario,
     section::wanted,
+    sections::{Coupling, Output, PresetKeys, SumoKeys, Traffic},
 };
 use crate::{
-    keys::{Key, Value, Values},
+    keys::{Key, Keys, Kind, Value, Values},
+    measurement::NoiseKeys,
+    plant::ActuatorKeys,
+    registry::Entry,
     sumo_files::Source,
 };
 
@@ -25,22 +25,9 @@ pub(super) fn scenario(scenario: &Scenario) -> String {
     let [own @ .., rest] = scenario.groups.as_slice() else { return out.0 };
     out.group("", rest);
     out.choice("plant", &scenario.plant);
-    out.header("[traffic]");
-    out.number("sigma", scenario.traffic.sigma);
-    out.header("[coupling]");
-    out.number("control_period_s", Some(scenario.control_period_s));
-    out.number("lead_mps", Some(scenario.coupling.lead_mps));
-    out.line("grade", scenario.coupling.grade);
-    out.header("[output]");
-    out.text("vehicles", &scenario.output.vehicles);
-    let trace = match &scenario.output.trace {
-        Trace::None => "none".to_owned(),
-        Trace::All => "all".to_owned(),
-        Trace::Ids(ids) => ids.join(","),
-    };
-    out.text("trace", &trace);
-    out.number("trace_period_s", scenario.output.trace_period_s);
-    out.text("trace_file", &scenario.output.trace_file);
+    out.section("traffic", &scenario.traffic);
+    out.section("coupling", &scenario.coupling);
+    out.section("output", &scenario.output);
     for group in own {
         out.header("[[group]]");
         out.text("select", &group.select.to_string());
@@ -79,47 +66,46 @@ impl Document {
         }
     }
 
-    fn values(&mut self, values: &Values) {
-        for (key, value) in &values.0 {
-            match value {
-                Value::Number(x) => self.line(key, format!("{x:?}")),
-                Value::Integer(x) => self.line(key, x),
-                Value::Flag(x) => self.line(key, x),
-                Value::Text(x) => self.text(key, x),
+    fn section<K: Keys>(&mut self, section: &str, keys: &K) {
+        self.header(&format!("[{section}]"));
+        let values = keys.to_values();
+        for key in K::keys() {
+            if let Some(value) = values.0.get(key.name) {
+                self.line(key.name, literal(value));
             }
         }
     }
 
-    fn choice(&mut self, section: &str, choice: &Choice) {
-        self.header(&format!("[{section}]"));
-        self.text("name", choice.name);
-        self.values(&choice.values);
+    fn values(&mut self, values: &Values) {
+        for (key, value) in &values.0 {
+            self.line(key, literal(value));
+        }
     }
 
-    fn spread(&mut self, key: &str, distribution: &Distribution) {
-        self.line(key, distribution);
+    fn per_vehicle(&mut self, keys: &PerVehicle) {
+        self.values(&keys.values);
+        for (key, distribution) in &keys.spread {
+            self.line(key, distribution);
+        }
+    }
+
+    fn choice<B>(&mut self, section: &str, choice: &Choice<B>) {
+        self.header(&format!("[{section}]"));
+        self.text("name", choice.name());
+        self.values(&choice.values);
     }
 
     fn group(&mut self, prefix: &str, group: &Group) {
         self.choice(&format!("{prefix}controller"), &group.controller);
         self.choice(&format!("{prefix}target"), &group.target);
         self.header(&format!("[{prefix}vehicle]"));
-        if let Some(preset) = &group.vehicle.preset {
-            self.text(PRESET_KEY.name, preset);
+        if let Preset::Named(preset) = &group.vehicle.preset {
+            self.text("preset", preset.name);
         }
-        self.values(&group.vehicle.values);
-        for (key, distribution) in &group.vehicle.spread {
-            self.spread(key, distribution);
-        }
+        self.per_vehicle(&group.vehicle.body);
         self.header(&format!("[{prefix}actuator]"));
-        for (key, quantity) in [("delay_s", group.actuator.delay_s), ("lag_s", group.actuator.lag_s)] {
-            match quantity {
-                Quantity::Fixed(value) => self.number(key, Some(value)),
-                Quantity::Drawn(distribution) => self.spread(key, &distribution),
-            }
-        }
-        self.header(&format!("[{prefix}noise]"));
-        self.number("power_db", group.noise_power_db);
+        self.per_vehicle(&group.actuator);
+        self.section(&format!("{prefix}noise"), &group.noise);
     }
 
     fn sumo(&mut self, scenario: &Scenario) {
@@ -151,7 +137,18 @@ impl Document {
 }
 
 fn quoted(text: &str) -> String {
-    Toml::from(text).to_string()
+    toml_edit::Value::from(text).to_string()
+}
+
+/// A value as TOML.
+pub(super) fn literal(value: &Value) -> String {
+    match value {
+        Value::Number(x) => format!("{x:?}"),
+        Value::Integer(x) => x.to_string(),
+        Value::Flag(x) => x.to_string(),
+        Value::Text(x) => quoted(x),
+        Value::Texts(list) => format!("[{}]", list.iter().map(|x| quoted(x)).collect::<Vec<_>>().join(", ")),
+    }
 }
 
 /// A scenario file with every key, its unit, range and default. Keys without a default and keys of other choices than the
@@ -165,24 +162,23 @@ pub fn template(catalog: &Catalog) -> String {
     let mut section = |header: &str, body: &str| {
         let _ = write!(out, "\n[{header}]\n{body}");
     };
-    let lists: String =
-        SUMO_LISTS.iter().map(|(name, _, help)| format!("# {name} = [\"...\"]  # list of texts: {help}\n")).collect();
-    section("sumo", &(keys(SUMO_KEYS, "") + &lists));
+    section("sumo", &keys(SumoKeys::keys(), ""));
     section("egos", "select = \"all\"  # all | param | type:GLOB | id:REGEX | class:NAME | share:0.25\n");
-    for (name, options, default) in choices(catalog) {
-        section(name, &choice(options, default));
+    let [choices @ .., (_, bodies)] = catalog.registries();
+    for (name, entries) in &choices {
+        section(name, &choice(entries));
     }
-    let bodies =
-        catalog.bodies.entries.iter().map(|b| format!("# preset {}: {}\n", b.name, b.summary)).collect::<String>();
+    let body_keys = bodies.first().map_or("".into(), |body| keys(body.keys, ""));
+    let bodies: String = bodies.iter().map(|b| format!("# preset {}: {}\n", b.name, b.summary)).collect();
     let drawn = "# Any number of [vehicle] and [actuator] can be drawn per vehicle:\n\
                  # KEY = { distribution = \"normal\", mean = 1.0, std = 0.1, min = 0.5, max = 1.5 }  # min, max: default the range\n\
                  # KEY = { distribution = \"uniform\", min = 0.5, max = 1.5 }\n";
-    section("vehicle", &(bodies + drawn + &keys(&[PRESET_KEY], "") + &keys(catalog.body_keys, "")));
-    section("actuator", &keys(ACTUATOR_KEYS, ""));
-    section("noise", &keys(NOISE_KEYS, ""));
-    section("traffic", &keys(TRAFFIC_KEYS, ""));
-    section("coupling", &keys(COUPLING_KEYS, ""));
-    section("output", &keys(OUTPUT_KEYS, ""));
+    section("vehicle", &(bodies + drawn + &keys(PresetKeys::keys(), "") + &body_keys));
+    section("actuator", &keys(ActuatorKeys::keys(), ""));
+    section("noise", &keys(NoiseKeys::keys(), ""));
+    section("traffic", &keys(Traffic::keys(), ""));
+    section("coupling", &keys(Coupling::keys(), ""));
+    section("output", &keys(Output::keys(), ""));
     out.push_str(
         "\n# Groups get their own settings; the first that matches a vehicle counts, keys left out are those above.\n\
          # [[group]]\n# select = \"class:bus\"\n# [group.vehicle]\n# preset = \"bus\"\n# [group.controller]\n# name = \"...\"\n",
@@ -190,25 +186,24 @@ pub fn template(catalog: &Catalog) -> String {
     out
 }
 
-/// The keys of a section that chooses by name.
-fn choice(options: &Options, default: &str) -> String {
+/// The keys of a section that chooses by name; the first is the default.
+fn choice(entries: &[Entry<()>]) -> String {
     let mut body = String::new();
-    for Named { name, summary, keys: own } in options.entries.iter().filter(|e| e.name == default) {
-        let _ = write!(body, "name = \"{name}\"  # {summary}\n{}", keys(own, ""));
-    }
-    for Named { name, summary, keys: own } in options.entries.iter().filter(|e| e.name != default) {
-        let _ = write!(body, "# name = \"{name}\"  # {summary}\n{}", keys(own, "#   "));
+    for (index, entry) in entries.iter().enumerate() {
+        let (mark, comment) = if index == 0 { ("", "") } else { ("# ", "#   ") };
+        let _ = write!(body, "{mark}name = \"{}\"  # {}\n{}", entry.name, entry.summary, keys(entry.keys, comment));
     }
     body
 }
 
 fn keys(keys: &[Key], comment: &str) -> String {
     let line = |key: &Key| {
-        let (mark, value) = match key.default {
-            "" if comment.is_empty() => ("# ", "..."),
-            "" => ("", "..."),
-            default => ("", default),
+        let value = match (&key.default, key.kind) {
+            (Some(default), _) => literal(default),
+            (None, Kind::Texts | Kind::Files) => "[\"...\"]".to_owned(),
+            (None, _) => "...".to_owned(),
         };
+        let mark = if key.default.is_none() && comment.is_empty() { "# " } else { "" };
         format!("{comment}{mark}{} = {value}  # {}: {}\n", key.name, wanted(key.kind), key.help)
     };
     keys.iter().map(line).collect()

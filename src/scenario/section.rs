@@ -5,20 +5,13 @@ use std::path::{Path, PathBuf};
 use super::{
     document::{Entry, Node, Table},
     error::ScenarioError,
-    spread::Distribution,
+    spread::{Distribution, PerVehicle},
 };
 use crate::{
     keys::{Key, Kind, Value, Values},
     registry::nearest,
     sumo_files::{absolute, environment},
 };
-
-/// The checked values of a section, and its keys that are drawn per vehicle.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Checked {
-    pub values: Values,
-    pub spread: Vec<(&'static str, Distribution)>,
-}
 
 /// What a section takes.
 pub(crate) struct Section<'a> {
@@ -34,10 +27,10 @@ pub(crate) struct Section<'a> {
 
 impl Section<'_> {
     /// Checks every entry of `table`; what is not there gets its default.
-    pub fn check(&self, table: &Table) -> Result<Checked, ScenarioError> {
+    pub fn check(&self, table: &Table) -> Result<PerVehicle, ScenarioError> {
         let names: Vec<&str> = self.others.iter().copied().chain(self.keys.iter().map(|k| k.name)).collect();
         known(self.path, table, &names)?;
-        let mut checked = Checked { values: Values::defaults(self.keys), spread: Vec::new() };
+        let mut checked = PerVehicle { values: Values::defaults(self.keys), spread: Vec::new() };
         for key in self.keys {
             let Some(entry) = table.get(key.name) else { continue };
             let path = format!("{}.{}", self.path, key.name);
@@ -81,6 +74,11 @@ fn value(key: &Key, entry: &Entry, path: &str, spread: bool) -> Result<Value, Sc
         (Node::Flag(x), Kind::Flag) => Some(Value::Flag(*x)),
         (Node::Text(x), Kind::Choice(words)) if words.contains(&x.as_str()) => Some(Value::Text(x.clone())),
         (Node::Text(x), Kind::Text) => Some(Value::Text(x.clone())),
+        (Node::List(_) | Node::Text(_), Kind::Texts) => Some(Value::Texts(texts(entry, path)?)),
+        (Node::List(_) | Node::Text(_), Kind::Files) => {
+            let file = |name: &String| existing(entry, path, name).map(|file| file.to_string_lossy().into_owned());
+            Some(Value::Texts(texts(entry, path)?.iter().map(file).collect::<Result<_, _>>()?))
+        }
         (Node::Text(x), Kind::File) => Some(Value::Text(existing(entry, path, x)?.to_string_lossy().into_owned())),
         _ => None,
     };
@@ -113,6 +111,7 @@ pub(crate) fn wanted(kind: Kind) -> String {
         Kind::Choice(words) => words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(" or "),
         Kind::Text => "a text".to_owned(),
         Kind::File => "a file name".to_owned(),
+        Kind::Texts | Kind::Files => "list of texts".to_owned(),
     }
 }
 

@@ -7,7 +7,10 @@ use super::{
     error::ScenarioError,
     section,
 };
-use crate::random::Stream;
+use crate::{
+    keys::{Value, Values},
+    random::Stream,
+};
 
 /// How often a normal draw outside its bounds is repeated before it is put on the bound.
 const REDRAWS: usize = 64;
@@ -36,6 +39,13 @@ pub enum Distribution {
 }
 
 impl Distribution {
+    /// The largest value.
+    fn largest(&self) -> f64 {
+        match *self {
+            Self::Normal { max, .. } | Self::Uniform { max, .. } => max,
+        }
+    }
+
     /// Draws the value of `key` for the vehicle `id` in a run with `seed`. The same vehicle gets the same value whatever
     /// else is in the run.
     pub fn draw(&self, seed: u64, key: &str, id: &str) -> f64 {
@@ -114,30 +124,28 @@ impl fmt::Display for Distribution {
     }
 }
 
-/// A number that is the same for every vehicle of a group, or drawn per vehicle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Quantity {
-    /// The same for all.
-    Fixed(f64),
-    /// Drawn per vehicle.
-    Drawn(Distribution),
+/// Keys of a vehicle, some of them drawn per vehicle.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PerVehicle {
+    /// What all vehicles of the group have in common.
+    pub values: Values,
+    /// What is drawn.
+    pub spread: Vec<(&'static str, Distribution)>,
 }
 
-impl Quantity {
-    /// The largest value that a vehicle can get.
-    pub fn largest(&self) -> f64 {
-        match self {
-            Self::Fixed(value) => *value,
-            Self::Drawn(Distribution::Normal { max, .. } | Distribution::Uniform { max, .. }) => *max,
-        }
+impl PerVehicle {
+    /// The values that the vehicle `id` draws in a run with `seed`.
+    pub fn draw(&self, seed: u64, id: &str) -> Values {
+        let draw = |(key, distribution): &(&'static str, Distribution)| {
+            (*key, Value::Number(distribution.draw(seed, key, id)))
+        };
+        Values(self.spread.iter().map(draw).collect())
     }
 
-    /// The value for the vehicle `id` in a run with `seed`.
-    pub fn of(&self, seed: u64, key: &str, id: &str) -> f64 {
-        match self {
-            Self::Fixed(value) => *value,
-            Self::Drawn(distribution) => distribution.draw(seed, key, id),
-        }
+    /// The largest value of a number that a vehicle can get, if it is set.
+    pub fn largest(&self, key: &str) -> Option<f64> {
+        let drawn = self.spread.iter().find(|(name, _)| *name == key).map(|(_, distribution)| distribution.largest());
+        drawn.or_else(|| self.values.get(key))
     }
 }
 
@@ -162,12 +170,17 @@ mod tests {
 
     #[test]
     fn law_a_draw_belongs_to_seed_key_and_vehicle() {
-        let quantity = Quantity::Drawn(Distribution::Uniform { min: 0.0, max: 1.0 });
-        let drawn = quantity.of(1, "delay_s", "a");
-        assert_eq!(drawn, quantity.of(1, "delay_s", "a"));
-        assert_ne!(drawn, quantity.of(2, "delay_s", "a"));
-        assert_ne!(drawn, quantity.of(1, "lag_s", "a"));
-        assert_ne!(drawn, quantity.of(1, "delay_s", "b"));
-        assert_eq!(Quantity::Fixed(0.25).of(1, "delay_s", "a"), 0.25);
+        let spread = PerVehicle {
+            values: Values::default().with("lag_s", 0.25),
+            spread: vec![("delay_s", Distribution::Uniform { min: 0.0, max: 1.0 })],
+        };
+        let drawn = |seed, id| spread.draw(seed, id).get::<f64>("delay_s").unwrap();
+        assert_eq!(drawn(1, "a"), drawn(1, "a"));
+        assert_ne!(drawn(1, "a"), drawn(2, "a"));
+        assert_ne!(drawn(1, "a"), drawn(1, "b"));
+        let uniform = spread.spread[0].1;
+        assert_ne!(uniform.draw(1, "delay_s", "a"), uniform.draw(1, "lag_s", "a"));
+        assert_eq!((spread.largest("delay_s"), spread.largest("lag_s")), (Some(1.0), Some(0.25)));
+        assert_eq!(spread.largest("mass_kg"), None);
     }
 }

@@ -4,42 +4,71 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::{
-    keys::{Key, Kind, Value},
-    registry::Entry,
+    control::CONTROLLERS,
+    keys::{Key, Keys, NoKeys, Value},
+    plant::{BODIES, PLANTS},
+    reference::TARGETS,
     sumo_files::Source,
 };
 
-const GAIN: Key =
-    Key { name: "k_p", kind: Kind::Number { unit: "1/s", min: 0.0, max: 10.0 }, default: "1.0", help: "gain" };
-const MODE: Key = Key { name: "mode", kind: Kind::Choice(&["fast", "slow"]), default: "\"fast\"", help: "mode" };
-const COUNT: Key = Key { name: "count", kind: Kind::Integer { min: 1, max: 9 }, default: "", help: "count" };
-const FLAG: Key = Key { name: "flag", kind: Kind::Flag, default: "false", help: "flag" };
-const FILE: Key = Key { name: "file", kind: Kind::File, default: "", help: "file" };
-const MASS: Key =
-    Key { name: "mass_kg", kind: Kind::Number { unit: "kg", min: 100.0, max: 9000.0 }, default: "", help: "mass" };
+crate::choice! {
+    enum Mode {
+        Fast = "fast",
+        Slow = "slow",
+    }
+}
 
-const CONTROLLERS: &[Entry<()>] = &[
-    Entry { name: "adaptive", summary: "adapts", keys: &[GAIN, MODE], build: () },
-    Entry { name: "classic", summary: "does not", keys: &[GAIN, COUNT, FLAG], build: () },
-];
-const TARGETS: &[Entry<()>] = &[
-    Entry { name: "traffic", summary: "SUMO's", keys: &[], build: () },
-    Entry { name: "profile", summary: "a file's", keys: &[FILE], build: () },
-];
-const PLANTS: &[Entry<()>] = &[Entry { name: "seven_dof", summary: "7 DoF", keys: &[], build: () }];
-const BODIES: &[Entry<()>] = &[
-    Entry { name: "car", summary: "a car", keys: &[MASS], build: () },
-    Entry { name: "bus", summary: "a bus", keys: &[MASS], build: () },
-];
+crate::keys! {
+    struct AdaptiveKeys {
+        /// gain
+        k_p: f64 = 1.0, "1/s", 0.0..=10.0;
+        /// mode
+        mode: Mode = Mode::Fast;
+    }
+}
 
-/// A catalogue that does not change with the registries.
+crate::keys! {
+    struct ClassicKeys {
+        /// gain
+        k_p: f64 = 1.0, "1/s", 0.0..=10.0;
+        /// count
+        count: Option<u16>, "-", 1..=9;
+        /// flag
+        flag: bool = false;
+    }
+}
+
+crate::keys! {
+    struct ProfileKeys {
+        /// file
+        file: Option<PathBuf>;
+    }
+}
+
+crate::keys! {
+    struct MassKeys {
+        /// mass
+        mass_kg: Option<f64>, "kg", 100.0..=9000.0;
+    }
+}
+
+/// A catalogue that does not change with the registries; what its entries build does not matter.
 fn catalog() -> Catalog {
+    fn entry<B: Clone>(like: &Entry<B>, name: &'static str, summary: &'static str, keys: &'static [Key]) -> Entry<B> {
+        Entry { name, summary, keys, build: like.build.clone() }
+    }
+    let (controller, target, body) = (&CONTROLLERS[0], &TARGETS[0], &BODIES[0]);
     Catalog {
-        controllers: Options::of("controller", CONTROLLERS),
-        targets: Options::of("target", TARGETS),
-        plants: Options::of("plant", PLANTS),
-        bodies: Options::of("body", BODIES),
-        body_keys: &[MASS],
+        controllers: vec![
+            entry(controller, "adaptive", "adapts", AdaptiveKeys::keys()),
+            entry(controller, "classic", "does not", ClassicKeys::keys()),
+        ],
+        targets: vec![
+            entry(target, "traffic", "SUMO's", NoKeys::keys()),
+            entry(target, "profile", "a file's", ProfileKeys::keys()),
+        ],
+        plants: vec![entry(&PLANTS[0], "seven_dof", "7 DoF", NoKeys::keys())],
+        bodies: vec![entry(body, "car", "a car", MassKeys::keys()), entry(body, "bus", "a bus", MassKeys::keys())],
     }
 }
 
@@ -88,24 +117,30 @@ controller.name = "adaptive"
 fn a_scenario_is_what_its_file_says() {
     let rich = load(RICH, &[]);
     assert_eq!((rich.name.as_str(), rich.sumo.seed, rich.sumo.end_s), ("rich", 7, Some(120.0)));
-    assert_eq!((rich.sumo.step_length_s, rich.control_period_s), (0.1, 0.005));
+    assert_eq!((rich.sumo.step_length_s, rich.coupling.control_period_s), (0.1, 0.005));
     assert_eq!(rich.sumo.options, ["--time-to-teleport", "-1"]);
     assert_eq!(rich.traffic.sigma, Some(0.0));
     assert_eq!(rich.output.trace, Trace::Ids(vec!["a".into(), "b".into()]));
     assert_eq!(rich.default_folder(), PathBuf::from("out/rich-classic-7"));
 
     let [bus, fast, rest] = rich.groups.as_slice() else { panic!("three groups") };
-    let gain = |group: &Group| (group.controller.name, group.controller.values.number("k_p"));
+    let gain = |group: &Group| (group.controller.name(), group.controller.values.get::<f64>("k_p").unwrap());
     assert_eq!((gain(bus), gain(fast), gain(rest)), (("classic", 0.5), ("adaptive", 1.0), ("classic", 2.0)));
-    assert_eq!(bus.controller.values.try_integer("count"), Some(3), "inherited key by key");
-    assert_eq!(fast.controller.values.try_integer("count"), None, "another controller has keys of its own");
-    assert_eq!((bus.vehicle.preset.as_deref(), bus.vehicle.values.try_number("mass_kg")), (Some("bus"), Some(9000.0)));
-    assert!(bus.vehicle.spread.is_empty() && rest.vehicle.values.0.is_empty());
+    assert_eq!(bus.controller.values.get::<i64>("count"), Some(3), "inherited key by key");
+    assert_eq!(fast.controller.values.get::<i64>("count"), None, "another controller has keys of its own");
+    let preset = match &bus.vehicle.preset {
+        Preset::Named(entry) => entry.name,
+        Preset::ByClass(_) => "by class",
+    };
+    assert!(matches!(&rest.vehicle.preset, Preset::ByClass(bodies) if bodies.len() == 2));
+    assert_eq!((preset, bus.vehicle.body.values.get::<f64>("mass_kg")), ("bus", Some(9000.0)));
+    assert!(bus.vehicle.body.spread.is_empty() && rest.vehicle.body.values.0.is_empty());
     let mass = Distribution::Normal { mean: 1500.0, std: 100.0, min: 1000.0, max: 9000.0 };
-    assert_eq!(rest.vehicle.spread, [("mass_kg", mass)]);
-    assert_eq!((bus.noise_power_db, rest.noise_power_db), (Some(-6.0), Some(-6.0)));
-    assert_eq!(rest.actuator.delay_s, Quantity::Fixed(0.25));
-    assert_eq!(fast.actuator.lag_s, Quantity::Drawn(Distribution::Uniform { min: 0.0, max: 0.1 }));
+    assert_eq!(rest.vehicle.body.spread, [("mass_kg", mass)]);
+    assert_eq!((bus.noise.power_db, rest.noise.power_db), (Some(-6.0), Some(-6.0)));
+    assert_eq!(rest.actuator.values.get::<f64>("delay_s"), Some(0.25));
+    assert_eq!(fast.actuator.spread, [("lag_s", Distribution::Uniform { min: 0.0, max: 0.1 })]);
+    assert_eq!(fast.actuator.values.get::<f64>("lag_s"), None);
 }
 
 #[test]
@@ -124,16 +159,16 @@ fn the_first_group_that_matches_counts() {
 #[test]
 fn set_takes_the_same_way_as_the_file() {
     let plain = load("controller.name = \"classic\"", &[]);
-    assert_eq!(plain.groups[0].noise_power_db, None);
+    assert_eq!(plain.groups[0].noise.power_db, None);
     let set = load(
         "controller.name = \"classic\"",
         &["controller.k_p=1.2", "noise.power_db=-6", "actuator.delay_s=0.25", "traffic.sigma=0", "egos.select=type:a*"],
     );
     let group = &set.groups[0];
-    assert_eq!((group.controller.name, group.controller.values.number("k_p")), ("classic", 1.2));
+    assert_eq!((group.controller.name(), group.controller.values.get::<f64>("k_p").unwrap()), ("classic", 1.2));
     assert_eq!(
-        (group.noise_power_db, group.actuator.delay_s, set.traffic.sigma),
-        (Some(-6.0), Quantity::Fixed(0.25), Some(0.0))
+        (group.noise.power_db, group.actuator.values.get::<f64>("delay_s"), set.traffic.sigma),
+        (Some(-6.0), Some(0.25), Some(0.0))
     );
     assert_eq!(set.egos.to_string(), "type:a*");
     let file = "controller = { name = \"classic\", k_p = 1.2 }\nnoise.power_db = -6\nactuator.delay_s = 0.25\n\
@@ -142,8 +177,8 @@ fn set_takes_the_same_way_as_the_file() {
 
     let rich =
         load(RICH, &["group.0.vehicle.mass_kg=8000", "vehicle.mass_kg.std=50", "sumo.options=[\"--scale\", \"2\"]"]);
-    assert_eq!(rich.groups[0].vehicle.values.number("mass_kg"), 8000.0);
-    assert!(matches!(rich.groups[2].vehicle.spread[0].1, Distribution::Normal { std: 50.0, .. }));
+    assert_eq!(rich.groups[0].vehicle.body.values.get::<f64>("mass_kg").unwrap(), 8000.0);
+    assert!(matches!(rich.groups[2].vehicle.body.spread[0].1, Distribution::Normal { std: 50.0, .. }));
     assert_eq!(rich.sumo.options, ["--scale", "2"]);
 }
 
@@ -153,12 +188,16 @@ fn another_controller_leaves_the_files_keys_behind() {
     let other = load(file, &["controller.name=adaptive", "controller.mode=slow"]);
     let controller = &other.groups[0].controller;
     assert_eq!(
-        (controller.name, controller.values.number("k_p"), controller.values.text("mode")),
-        ("adaptive", 1.0, "slow")
+        (
+            controller.name(),
+            controller.values.get::<f64>("k_p").unwrap(),
+            controller.values.get::<String>("mode").as_deref()
+        ),
+        ("adaptive", 1.0, Some("slow"))
     );
     assert!(other.notes.iter().any(|n| n.contains("controller.count, k_p belong to classic")), "{:?}", other.notes);
     let same = load(file, &["controller.name=classic"]);
-    assert_eq!(same.groups[0].controller.values.number("k_p"), 2.0);
+    assert_eq!(same.groups[0].controller.values.get::<f64>("k_p").unwrap(), 2.0);
 }
 
 #[test]
@@ -185,7 +224,7 @@ fn bare_configurations_and_networks_are_scenarios() {
     assert_eq!(scenario.sumo.source, Source::Config(config.clone()));
     assert!(matches!(scenario.egos, Selector::All));
     let group = &scenario.groups[0];
-    assert_eq!((group.controller.name, group.target.name, scenario.groups.len()), ("adaptive", "traffic", 1));
+    assert_eq!((group.controller.name(), group.target.name(), scenario.groups.len()), ("adaptive", "traffic", 1));
     let inputs = [config, nets().join("light.net.xml"), nets().join("light.rou.xml")];
     assert_eq!(scenario.inputs, inputs);
 
@@ -270,8 +309,8 @@ fn law_the_template_is_a_valid_scenario_of_defaults() {
         std::fs::write(&path, "").unwrap();
         let from_nothing = Scenario::load(&Request::file(&path).with(config), &catalog).unwrap();
         assert_eq!(from_template.to_toml(), from_nothing.to_toml());
-        for registry in catalog.registries() {
-            for entry in &registry.entries {
+        for (_, entries) in catalog.registries() {
+            for entry in &entries {
                 assert!(text.contains(entry.name), "{}", entry.name);
                 assert!(entry.keys.iter().all(|k| text.contains(&format!("{} = ", k.name))), "{}", entry.name);
             }
@@ -283,14 +322,14 @@ fn law_the_template_is_a_valid_scenario_of_defaults() {
 fn law_every_choice_of_every_registry_loads_with_its_defaults() {
     let catalog = Catalog::installed();
     let config = nets().join("light.sumocfg");
-    for (section, registry) in
-        [("controller", &catalog.controllers), ("target", &catalog.targets), ("plant", &catalog.plants)]
-    {
-        for entry in &registry.entries {
+    let [sections @ .., _] = catalog.registries();
+    for (section, entries) in &sections {
+        for entry in entries {
             let mut request =
                 Request::file(&config).with(Override::set(&format!("{section}.name={}", entry.name)).unwrap());
-            for key in entry.keys.iter().filter(|k| !k.default.is_empty()) {
-                request = request.with(Override::set(&format!("{section}.{}={}", key.name, key.default)).unwrap());
+            for (key, value) in Values::defaults(entry.keys).0 {
+                let value = print::literal(&value);
+                request = request.with(Override::set(&format!("{section}.{key}={value}")).unwrap());
             }
             let given = Scenario::load(&request, &catalog).unwrap();
             let plain = Request::file(&config).with(Override::set(&format!("{section}.name={}", entry.name)).unwrap());
@@ -318,7 +357,8 @@ fn values_of_every_kind_survive_printing() {
 
 #[test]
 fn a_dot_in_place_of_the_first_underscore_is_the_same_key() {
-    let mass = |scenario: &Scenario, group: usize| scenario.groups[group].vehicle.values.number("mass_kg");
+    let mass =
+        |scenario: &Scenario, group: usize| scenario.groups[group].vehicle.body.values.get::<f64>("mass_kg").unwrap();
     assert_eq!(mass(&load("vehicle.mass.kg = 1200\n", &[]), 0), 1200.0);
     assert_eq!(mass(&load("vehicle.mass_kg = 1200\n", &["vehicle.mass.kg=1300"]), 0), 1300.0);
     let groups = load("vehicle.mass_kg = 1200\n[[group]]\nselect = \"type:bus*\"\nvehicle.mass.kg = 9000\n", &[]);

@@ -24,8 +24,8 @@ fn main() {
 }
 
 fn law(name: &str) -> Box<dyn Controller> {
-    let entry = find("controller", CONTROLLERS, name).expect("a controller");
-    (entry.build)(&Values::defaults(entry.keys), 0.01)
+    let entry = find("controller", &CONTROLLERS, name).expect("a controller");
+    (entry.build)(&Values::defaults(entry.keys), 0.01).expect("a law")
 }
 
 /// Estimator and law.
