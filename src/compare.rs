@@ -13,11 +13,11 @@ mod seeds;
 mod student;
 mod table;
 
-use crate::output::{Spread, Summary};
+use crate::run::{Spread, Summary};
 pub use seeds::{SeedsError, parse_seeds};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-pub use table::{COMPARISON, terminal_table};
+pub use table::{COMPARISON, terminal_table, write_comparison};
 
 /// One number of a run that controllers are compared by.
 pub struct Metric {

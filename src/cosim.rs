@@ -40,7 +40,7 @@ pub use egos::{Ego, EgoTable, Presence};
 pub use error::CosimError;
 pub use events::Events;
 pub use question::{Gets, NoAnswer, Object, Question};
-pub use records::{Counters, Finished, Records};
+pub use records::{Counters, Finished, Reason, Records};
 pub use roads::Roads;
 pub use sumo::{Joined, Sumo, Tell};
 pub use traci_link::TraciLink;

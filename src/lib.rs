@@ -11,7 +11,7 @@
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
 //! 1  sumo_files                                SUMO's configuration, options, demand, outputs
 //!    fleet                                     the closed loop on columns; where floor-0 rooms meet
-//! 0  plant control measurement reference traci output stats   and the common ground: keys lanes place registry random stopwatch trig
+//! 0  plant control measurement reference traci output stats   and the common ground: columns keys lanes place registry random stopwatch table trig
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
@@ -36,5 +36,6 @@ pub mod scenario;
 pub mod stats;
 pub mod stopwatch;
 pub mod sumo_files;
+pub mod table;
 pub mod traci;
 pub mod trig;

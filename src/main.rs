@@ -13,11 +13,9 @@ use clap::Parser;
 use cli::{CheckArgs, Cli, Command, CompareArgs, PaperArgs, RunArgs};
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
-    compare::{COMPARISON, RunFailed, parse_seeds, run_all, terminal_table},
-    doctor,
-    output::{terminal_text, write_table},
-    paper,
-    run::{self, RunError, RunOptions},
+    compare::{RunFailed, parse_seeds, run_all, terminal_table, write_comparison},
+    doctor, paper,
+    run::{self, RunError, RunOptions, terminal_text},
     scenario::{Catalog, Scenario, ScenarioError, template},
 };
 
@@ -105,7 +103,7 @@ fn compare(args: &CompareArgs) -> miette::Result<ExitCode> {
         Err(RunFailed { source: RunError::Interrupted(signal), .. }) => return Ok(ExitCode::from(signal.exit_code())),
         compared => compared.into_diagnostic()?,
     };
-    write_table(&folder.join("comparison.csv"), &COMPARISON, &rows).into_diagnostic()?;
+    write_comparison(&folder, &rows).into_diagnostic()?;
     print(&terminal_table(&rows))
 }
 

@@ -2,29 +2,43 @@
 //!
 //! Whatever ends a run early (SUMO died, the disk is full, Ctrl-C) leaves what was computed so far, marked incomplete.
 
+mod error;
+mod manifest;
 mod outcome;
 mod profile;
 mod progress;
+mod recorder;
+mod result_dir;
+mod rows;
+mod sampler;
+mod schema;
 pub mod setup;
-mod writers;
+mod signals;
+mod spread;
+mod summary;
 
 use crate::cosim::{CosimError, Records, World};
-use crate::output::{Input, Manifest, OutputError, ResultDir, Summary, VehicleRow};
-use crate::reference::ReferenceError;
-use crate::registry::UnknownName;
-use crate::scenario::{Scenario, ScenarioError};
-use crate::sumo_files::{SumoCommand, SumoFileError, sumo_arguments};
-use crate::traci::{self, Client, SumoProcess, find_named};
+use crate::scenario::Scenario;
+use crate::sumo_files::{SumoCommand, sumo_arguments};
+use crate::traci::{Client, SumoProcess, find_named};
 use profile::Profiler;
 use progress::Progress;
+use recorder::Recorder;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant};
-use writers::Writers;
 
+pub use error::RunError;
+pub use manifest::{Input, Manifest, Status, sha256_of};
 pub use profile::Profile;
+pub use result_dir::ResultDir;
+pub use rows::{EDGES, EdgeRow, SAMPLE, SampleRow, TRACE, TraceRow, VEHICLES, VehicleRow};
+pub use schema::{FileSchema, Schema};
 pub use setup::world;
+pub use signals::Signal;
+pub use spread::Spread;
+pub use summary::{Summary, SumoTotals, terminal_text};
 
 /// How long SUMO may take to load, and to answer one message.
 const PATIENCE: Duration = Duration::from_secs(600);
@@ -50,25 +64,6 @@ pub struct RunOptions {
     pub progress: bool,
     /// Measure where the time of a step goes.
     pub profile: bool,
-}
-
-/// A signal that ended a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
-    /// Ctrl-C.
-    Interrupt,
-    /// SIGTERM.
-    Terminate,
-}
-
-impl Signal {
-    /// The exit code of the program: 128 + the signal's number.
-    pub fn exit_code(self) -> u8 {
-        match self {
-            Self::Interrupt => 130,
-            Self::Terminate => 143,
-        }
-    }
 }
 
 /// A result, also on disk.
@@ -101,59 +96,6 @@ impl RunResult {
             None => Ok(self.summary),
         }
     }
-}
-
-/// Why there is no whole result.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[non_exhaustive]
-pub enum RunError {
-    /// The scenario.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// SUMO's own files.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    SumoFiles(#[from] SumoFileError),
-    /// The files.
-    #[error(transparent)]
-    Output(#[from] OutputError),
-    /// SUMO and the connection to it.
-    #[error(transparent)]
-    Traci(#[from] traci::Error),
-    /// The coupling.
-    #[error(transparent)]
-    Cosim(#[from] CosimError),
-    /// The profile.
-    #[error("[target]: {0}")]
-    Reference(#[from] ReferenceError),
-    /// A name that no registry has.
-    #[error(transparent)]
-    Unknown(#[from] UnknownName),
-    /// A tyre curve.
-    #[error("vehicle.tyre_curve, {}: {what}", .path.display())]
-    Tyre {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        what: String,
-    },
-    /// The system refuses threads or sockets.
-    #[error("cannot start the run: {0}")]
-    System(String),
-    /// A signal ended the run before its end.
-    #[error("ended by a signal ({0:?})")]
-    Interrupted(Signal),
-    /// A run that broke off; what was computed is in the folder.
-    #[error("the run broke off at {time_s} s; what was computed until then is in {}, marked incomplete", .dir.display())]
-    Broken {
-        /// Simulation time \[s\].
-        time_s: f64,
-        /// The folder.
-        dir: PathBuf,
-        /// What happened.
-        source: Box<RunError>,
-    },
 }
 
 /// Runs a scenario to its end.
@@ -254,12 +196,12 @@ impl<'a> Run<'a> {
     }
 
     /// Joins SUMO and opens the files.
-    async fn prepare(&mut self, client: Client) -> Result<(World, Writers), RunError> {
+    async fn prepare(&mut self, client: Client) -> Result<(World, Recorder), RunError> {
         self.manifest.sumo_version = Some(client.version().text.clone());
         self.manifest.sumo_api = Some(client.version().api);
         let world = World::join(client, setup::world(self.scenario)?).await?;
         self.begin_s = world.time_s();
-        let writers = Writers::open(self.scenario, &self.dir, &world)?;
+        let writers = Recorder::open(self.scenario, &self.dir, &world)?;
         Ok((world, writers))
     }
 
@@ -267,7 +209,7 @@ impl<'a> Run<'a> {
     async fn drive(
         &mut self,
         mut world: World,
-        mut writers: Writers,
+        mut writers: Recorder,
         mut process: Option<SumoProcess>,
     ) -> Result<RunResult, RunError> {
         let stepped = self.step_to_end(&mut world, &mut writers).await;
@@ -302,7 +244,7 @@ impl<'a> Run<'a> {
         &mut self,
         records: Records,
         time_s: f64,
-        writers: Writers,
+        writers: Recorder,
         source: RunError,
     ) -> Result<RunResult, RunError> {
         let dir = self.dir.path().to_owned();
@@ -314,7 +256,7 @@ impl<'a> Run<'a> {
         Err(RunError::Broken { time_s, dir, source: Box::new(source) })
     }
 
-    async fn step_to_end(&mut self, world: &mut World, writers: &mut Writers) -> Result<(), RunError> {
+    async fn step_to_end(&mut self, world: &mut World, writers: &mut Recorder) -> Result<(), RunError> {
         let end_s = match self.scenario.sumo.end_s {
             Some(end_s) => Some(end_s),
             None => Some(world.end_s().await?).filter(|end_s| *end_s >= 0.0),
@@ -329,7 +271,7 @@ impl<'a> Run<'a> {
     async fn step_to(
         &mut self,
         world: &mut World,
-        writers: &mut Writers,
+        writers: &mut Recorder,
         end_s: Option<f64>,
         progress: &Progress,
     ) -> Result<(), RunError> {
@@ -374,7 +316,7 @@ impl<'a> Run<'a> {
         &mut self,
         records: Records,
         time_s: f64,
-        writers: Writers,
+        writers: Recorder,
         broken: Option<String>,
     ) -> Result<RunResult, RunError> {
         self.write_files(records, time_s, writers, broken.clone()).inspect_err(|error| {
@@ -386,7 +328,7 @@ impl<'a> Run<'a> {
         &mut self,
         records: Records,
         time_s: f64,
-        writers: Writers,
+        writers: Recorder,
         broken: Option<String>,
     ) -> Result<RunResult, RunError> {
         let interrupted = self.signal();

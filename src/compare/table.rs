@@ -1,48 +1,47 @@
 //! A comparison as a file and on the terminal.
 
-use super::{ControllerRow, Difference, METRICS, Measured, Metric};
-use crate::output::{Column, Layout};
+use super::{ControllerRow, METRICS, Measured, Metric};
+use crate::output::{OutputError, write_json, write_table};
+use crate::run::{FileSchema, Schema};
+use crate::table::{Cell, Column, Kind, Layout, Read};
 use comfy_table::{CellAlignment, Table, presets};
+use std::path::Path;
+use std::sync::LazyLock;
 
-fn difference(row: &ControllerRow, metric: usize) -> Option<Difference> {
-    row.metrics[metric].difference
+/// `comparison.csv`: one row per controller. Four columns per metric: the mean over the seeds, then the paired
+/// difference to the first controller, its standard deviation and the half width of its 95 % t interval.
+pub static COMPARISON: LazyLock<Layout<ControllerRow>> = LazyLock::new(|| {
+    let text = |name: &str, kind: Kind, meaning: &str| Column { kind, ..Column::number(name, None, meaning) };
+    let mut columns: Vec<(Column, Read<ControllerRow>)> = vec![
+        (text("controller", Kind::Text, "The controller"), Box::new(|r| Cell::Text(Some(&r.controller)))),
+        (text("seeds", Kind::Count, "Seeds that it ran with"), Box::new(|r| Cell::Count(r.seeds))),
+    ];
+    for (k, metric) in METRICS.iter().enumerate() {
+        let parts: [(&str, &str, fn(&Measured) -> Option<f64>); 4] = [
+            ("", "mean over the seeds", |m| m.mean),
+            ("_diff", "mean paired difference to the first controller", |m| Some(m.difference?.mean)),
+            ("_diff_sd", "standard deviation of the paired difference", |m| m.difference?.sd),
+            ("_diff_ci95", "half width of the 95 % t interval of the difference", |m| m.difference?.half_width),
+        ];
+        for (suffix, what, read) in parts {
+            let unit = Some(metric.unit).filter(|unit| !unit.is_empty());
+            let column = Column::number(format!("{}{suffix}", metric.name), unit, format!("{}: {what}", metric.title));
+            let finite = move |row: &ControllerRow| read(&row.metrics[k]).filter(|x| x.is_finite());
+            columns.push((column, Box::new(move |row| Cell::Number(finite(row)))));
+        }
+    }
+    Layout::new(["comparison", "controller"], "One row per controller", columns)
+});
+
+/// Writes `comparison.csv`, and `schema.json` beside it.
+///
+/// # Errors
+/// [`OutputError`] naming the file.
+pub fn write_comparison(folder: &Path, rows: &[ControllerRow]) -> Result<(), OutputError> {
+    write_table(&folder.join("comparison.csv"), &COMPARISON, rows)?;
+    let schema = Schema::new([("comparison.csv", FileSchema::of_table(&COMPARISON.shape))]);
+    write_json(&folder.join("schema.json"), &schema).map(drop)
 }
-
-/// Four columns per metric: the mean over the seeds, then the paired difference to the first controller, its standard
-/// deviation and the half width of its 95 % t interval.
-macro_rules! columns {
-    ($($index:literal $name:literal),* $(,)?) => {
-        &[
-            Column::text("controller", |r| Some(&r.controller)),
-            Column::count("seeds", |r| r.seeds),
-            $(
-                Column::number($name, |r| r.metrics[$index].mean),
-                Column::number(concat!($name, "_diff"), |r| difference(r, $index).map(|d| d.mean)),
-                Column::number(concat!($name, "_diff_sd"), |r| difference(r, $index)?.sd),
-                Column::number(concat!($name, "_diff_ci95"), |r| difference(r, $index)?.half_width),
-            )*
-        ]
-    };
-}
-
-/// `comparison.csv`: one row per controller.
-pub static COMPARISON: Layout<ControllerRow> = Layout {
-    table: "comparison",
-    row: "controller",
-    by_time: false,
-    columns: columns![
-        0 "vehicles",
-        1 "arrived",
-        2 "error_rms_mean",
-        3 "error_rms_p95",
-        4 "speed_gap_rms_mean",
-        5 "lead_limited_mean",
-        6 "overshoot_mean",
-        7 "jerk_rms_mean",
-        8 "timeloss_mean",
-        9 "collisions",
-    ],
-};
 
 /// A number with the metric's decimals; whole numbers of metrics without a unit (counts) have none.
 fn number(metric: &Metric, value: f64, sign: bool) -> String {

@@ -1,5 +1,6 @@
 use super::*;
-use crate::output::{SumoTotals, write_table};
+use crate::run::SumoTotals;
+use crate::table::Cell;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicU64;
 
@@ -91,19 +92,21 @@ fn after_a_failure_nothing_more_is_started() {
 #[test]
 fn comparison_csv_has_the_metrics_in_their_places() {
     let mut rows = run_all(&names(&["ideal", "classic"]), &[1, 2, 3], 1, paired).unwrap();
-    let columns = COMPARISON.columns;
+    let columns = &COMPARISON.shape.columns;
     assert_eq!(columns.len(), 2 + 4 * METRIC_COUNT);
     for (k, metric) in METRICS.iter().enumerate() {
         rows[1].metrics[k].mean = Some(k as f64);
         let own = &columns[2 + 4 * k..6 + 4 * k];
         assert_eq!(own[0].name, metric.name);
         assert_eq!(own[1].name, format!("{}_diff", metric.name));
-        assert_eq!(own[0].value(&rows[1]), Some(k as f64));
-        assert_eq!(own[2].value(&rows[1]), rows[1].metrics[k].difference.and_then(|d| d.sd));
+        let cells: Vec<_> = COMPARISON.cells(&rows[1]).skip(2 + 4 * k).map(Cell::number).collect();
+        assert_eq!(cells[0], Some(k as f64));
+        assert_eq!(cells[2], rows[1].metrics[k].difference.and_then(|d| d.sd));
     }
     let folder = tempfile::tempdir().unwrap();
-    let path = write_table(&folder.path().join("comparison.csv"), &COMPARISON, &rows).unwrap();
-    let text = std::fs::read_to_string(path).unwrap();
+    write_comparison(folder.path(), &rows).unwrap();
+    assert!(folder.path().join("schema.json").is_file());
+    let text = std::fs::read_to_string(folder.path().join("comparison.csv")).unwrap();
     assert!(text.starts_with("controller,seeds,vehicles,vehicles_diff,vehicles_diff_sd,vehicles_diff_ci95,"));
     assert_eq!(text.lines().nth(1).unwrap().split(',').nth(3), Some(""), "the first controller has no difference");
 }

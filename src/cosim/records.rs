@@ -3,10 +3,44 @@
 use super::egos::Ego;
 use super::roads::Roads;
 use crate::fleet::Fleet;
-use crate::output::Reason;
 use crate::stats::VehicleStats;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
+
+/// How the record of an ego ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Reason {
+    /// It reached the end of its route.
+    Arrived,
+    /// It was on the road when the run ended.
+    Running,
+    /// Somebody else took it out.
+    Removed,
+    /// SUMO teleported it and it never came back.
+    TeleportedOut,
+    /// Its plant left the range of sensible states.
+    Diverged,
+    /// The run broke off.
+    Incomplete,
+}
+
+impl Reason {
+    /// All reasons.
+    pub const ALL: [Self; 6] =
+        [Self::Arrived, Self::Running, Self::Removed, Self::TeleportedOut, Self::Diverged, Self::Incomplete];
+
+    /// As in the column `reason`.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Arrived => "arrived",
+            Self::Running => "running",
+            Self::Removed => "removed",
+            Self::TeleportedOut => "teleported_out",
+            Self::Diverged => "diverged",
+            Self::Incomplete => "incomplete",
+        }
+    }
+}
 
 /// The record of one ego, once it has ended.
 pub struct Finished {

@@ -1,6 +1,7 @@
 //! Files that exist under their name only when they are whole.
 
-use super::{OutputError, file_error};
+use super::error::{OutputError, file_error};
+use serde::Serialize;
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -56,14 +57,26 @@ impl Write for PartFile {
 }
 
 /// The name under which `path` is written.
-pub(super) fn part_of(path: &Path) -> PathBuf {
+pub fn part_of(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(".part");
     name.into()
 }
 
+/// Writes a value as JSON.
+///
+/// # Errors
+/// As [`write_whole`].
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<PathBuf, OutputError> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| file_error("write", path)(e.into()))?;
+    write_whole(path, &(text + "\n"))
+}
+
 /// Writes a whole small file.
-pub(super) fn write_whole(path: &Path, text: &str) -> Result<PathBuf, OutputError> {
+///
+/// # Errors
+/// [`OutputError::File`] naming the file.
+pub fn write_whole(path: &Path, text: &str) -> Result<PathBuf, OutputError> {
     let mut file = PartFile::create(path)?;
     file.write_all(text.as_bytes()).map_err(file_error("write", path))?;
     file.finish()

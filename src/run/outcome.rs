@@ -1,8 +1,9 @@
 //! What a run comes to: SUMO's own outputs joined with the fleet's records.
 
-use super::RunError;
+use super::error::RunError;
+use super::rows::{EdgeRow, VehicleRow, edge_rows};
+use super::summary::{NO_EGOS, Summary, SumoTotals};
 use crate::cosim::{Counters, Finished, Records};
-use crate::output::{EdgeTable, Summary, SumoTotals, VehicleRow};
 use crate::scenario::Scenario;
 use crate::sumo_files::{SumoCommand, SumoStatistics, TripInfo, Trips};
 use std::collections::HashMap;
@@ -13,9 +14,10 @@ pub struct Outcome {
     /// One row per ego that departed.
     pub rows: Vec<VehicleRow>,
     /// Errors by road.
-    pub edges: EdgeTable,
+    pub edges: Vec<EdgeRow>,
     totals: SumoTotals,
-    counts: Vec<(&'static str, u64)>,
+    /// As [`NO_EGOS`].
+    counts: [u64; NO_EGOS.len()],
 }
 
 impl Outcome {
@@ -47,15 +49,8 @@ impl Outcome {
                 teleports: counters.teleports,
             },
         };
-        let mut edges = EdgeTable::default();
-        for (road, sums) in records.roads.iter() {
-            edges.add(road, sums.samples, sums.error_mps, sums.error_squared, sums.speed_mps);
-        }
-        let counts = vec![
-            ("unequipped", counters.unequipped),
-            ("other_classes", counters.others.values().sum()),
-            ("refused", counters.refused.len() as u64),
-        ];
+        let edges = edge_rows(&records.roads);
+        let counts = [counters.unequipped, counters.others.values().sum(), counters.refused.len() as u64];
         let names = Names::new(scenario);
         let mut types: HashMap<String, Arc<str>> = HashMap::new();
         let rows = records
@@ -73,7 +68,7 @@ impl Outcome {
     /// The summary of a run of `simulated_s` seconds that took `wall_s` seconds.
     pub fn summary(&self, simulated_s: f64, wall_s: f64) -> Summary {
         let mut summary = Summary::new(&self.rows, self.totals, simulated_s, wall_s);
-        summary.counts.extend(self.counts.iter().map(|(name, count)| ((*name).to_owned(), *count)));
+        summary.counts.extend(NO_EGOS.iter().zip(self.counts).map(|((name, _), count)| ((*name).to_owned(), count)));
         summary
     }
 }
@@ -100,7 +95,6 @@ impl Names {
 }
 
 fn row(record: Finished, trip: Option<&TripInfo>, vehicle_type: Arc<str>, names: &Names, end_s: f64) -> VehicleRow {
-    let stats = record.stats;
     let depart = trip.map_or(record.depart_s, |t| t.depart_s);
     let arrival = trip.and_then(|t| t.arrival_s).or(record.arrival_s);
     let [controller, target] = names.0[record.group].clone();
@@ -114,24 +108,7 @@ fn row(record: Finished, trip: Option<&TripInfo>, vehicle_type: Arc<str>, names:
         duration: Some(arrival.unwrap_or(end_s) - depart),
         timeloss: trip.map(|t| t.time_loss_s),
         distance: Some(record.distance_m),
-        samples: stats.samples,
-        error_mean: stats.error_mean,
-        error_std: stats.error_std,
-        error_rms: stats.error_rms,
-        error_max_abs: stats.error_max_abs,
-        overshoot_max: stats.overshoot_max,
-        speed_gap_rms: stats.speed_gap_rms,
-        jerk_rms: stats.jerk_rms,
-        accel_max: stats.accel_max,
-        decel_max: stats.decel_max,
-        torque_rms: stats.torque_rms,
-        share_traffic: stats.share_traffic,
-        share_limit: stats.share_limit,
-        share_profile: stats.share_profile,
-        share_clamp: stats.share_clamp,
-        clamped_steps: stats.clamped_steps,
-        lead_limited: stats.lead_limited,
-        curvature_limited: stats.curvature_limited,
+        stats: record.stats,
         odometer_gap: record.odometer_gap_m,
         collisions: u64::from(record.collisions),
         reason: record.reason,

@@ -34,7 +34,8 @@ const FLOORS: &[(&str, u8)] = &[
 ];
 
 /// Imported by every room; they import only each other.
-const COMMON_GROUND: &[&str] = &["columns", "keys", "lanes", "place", "random", "registry", "stopwatch", "trig"];
+const COMMON_GROUND: &[&str] =
+    &["columns", "keys", "lanes", "place", "random", "registry", "stopwatch", "table", "trig"];
 
 /// Rooms or files (path below src/ without `.rs`) that may name tokio.
 const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "doctor", "cli", "main"];

@@ -1,10 +1,22 @@
-//! Numbers as text.
+//! Values as text.
 
+use crate::table::Cell;
 use std::fmt::Write;
+
+/// Appends a value; nothing if there is none.
+pub fn append(text: &mut String, cell: Cell<'_>) {
+    match cell {
+        Cell::Text(None) | Cell::Number(None) => {}
+        Cell::Text(Some(value)) => text.push_str(value),
+        Cell::Number(Some(value)) => append_number(text, value),
+        Cell::Count(value) => text.push_str(&value.to_string()),
+        Cell::Flag(value) => text.push_str(if value { "true" } else { "false" }),
+    }
+}
 
 /// Appends the shortest text that reads back as the same double: digits, and an exponent only for magnitudes below 1e-5
 /// or from 1e16 on, as Python and pandas write and read them. Negative zero is written 0.
-pub(super) fn append(text: &mut String, value: f64) {
+fn append_number(text: &mut String, value: f64) {
     let magnitude = value.abs();
     let plain = magnitude == 0.0 || (1e-5..1e16).contains(&magnitude);
     let value = if magnitude == 0.0 { 0.0 } else { value };
@@ -18,7 +30,7 @@ mod tests {
 
     fn text(value: f64) -> String {
         let mut text = String::new();
-        super::append(&mut text, value);
+        super::append_number(&mut text, value);
         text
     }
 

@@ -1,27 +1,31 @@
 //! `summary.json` and the words that a run ends with.
 
-use super::{Reason, Spread, VEHICLES, VehicleRow};
+use super::rows::{VEHICLES, VehicleRow};
+use super::spread::Spread;
+use crate::cosim::Reason;
+use crate::table::{Cell, Column, Kind, Layout, record};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Columns that say when, not how well: no fleet numbers of them.
-const TIMES: [&str; 2] = ["depart", "arrival"];
-
-/// What SUMO itself counted, vehicles that are not egos included.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct SumoTotals {
-    /// Vehicles that entered the road.
-    pub inserted: u64,
-    /// Vehicles that reached the end of their route.
-    pub arrived: u64,
-    /// Mean time loss of those that arrived \[s\].
-    pub time_loss_mean_s: Option<f64>,
-    /// Collisions.
-    pub collisions: u64,
-    /// Teleports.
-    pub teleports: u64,
+record! {
+    /// What SUMO itself counted, vehicles that are not egos included.
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+    pub struct SumoTotals {
+        inserted: u64 = "Vehicles that entered the road";
+        arrived: u64 = "Vehicles that reached the end of their route";
+        time_loss_mean_s: Option<f64> = "Mean time loss of those that arrived" ["s"];
+        collisions: u64 = "Collisions";
+        teleports: u64 = "Teleports";
+    }
 }
+
+/// Counts of vehicles that are no egos, and what they say.
+pub(super) const NO_EGOS: [(&str, &str); 3] = [
+    ("unequipped", "Departed vehicles that the selectors left to SUMO"),
+    ("other_classes", "Departed vehicles without four wheels"),
+    ("refused", "Departed vehicles that were to be egos but cannot be"),
+];
 
 /// The contents of `summary.json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,9 +52,9 @@ impl Summary {
             let count = rows.iter().filter(|r| r.reason == reason).count();
             counts.insert(reason.as_str().to_owned(), count as u64);
         }
-        let columns = VEHICLES.columns.iter().filter(|c| !TIMES.contains(&c.name));
+        let columns = VEHICLES.values(rows).filter(|(column, _)| column.in_summary);
         let fleet = columns
-            .filter_map(|c| Some((c.name.to_owned(), Spread::of(rows.iter().filter_map(|r| c.value(r)))?)))
+            .filter_map(|(column, cells)| Some((column.name.clone(), Spread::of(cells.filter_map(Cell::number))?)))
             .collect();
         let real_time_factor = (wall_s > 0.0).then(|| simulated_s / wall_s);
         Self { schema: 1, counts, sumo, fleet, wall_s, real_time_factor }
@@ -60,6 +64,32 @@ impl Summary {
     pub fn count(&self, name: &str) -> u64 {
         self.counts.get(name).copied().unwrap_or(0)
     }
+}
+
+/// The fields of `summary.json`, as `schema.json` shows them.
+pub(super) fn summary_fields() -> Vec<Column> {
+    let within = |object: &str, column: Column| Column { name: format!("{object}.{}", column.name), ..column };
+    let count = |name: &str, meaning: &str| {
+        within("counts", Column { kind: Kind::Count, ..Column::number(name, None, meaning) })
+    };
+    let reasons =
+        Reason::ALL.map(|r| count(r.as_str(), &format!("Egos whose row ended with the reason {}", r.as_str())));
+    let sumo: Layout<SumoTotals> = Layout::of_record(["sumo", "run"], "SUMO's totals");
+    let fleet = VEHICLES.shape.columns.iter().filter(|column| column.in_summary).map(|column| {
+        let meaning = format!("mean, p05, p50, p95 and max over the egos: {}", column.meaning);
+        within("fleet", Column { kind: Kind::Number, meaning, ..column.clone() })
+    });
+    [count("vehicles", "Egos that departed")]
+        .into_iter()
+        .chain(reasons)
+        .chain(NO_EGOS.map(|(name, meaning)| count(name, meaning)))
+        .chain(sumo.shape.columns.into_iter().map(|column| within("sumo", column)))
+        .chain(fleet.collect::<Vec<_>>())
+        .chain([
+            Column::number("wall_s", Some("s"), "How long the run took"),
+            Column::number("real_time_factor", None, "Simulated over real time"),
+        ])
+        .collect()
 }
 
 /// What `run` says at its end: at most ten lines, a line break after each.
@@ -81,8 +111,8 @@ pub fn terminal_text(summary: &Summary, rows: &[VehicleRow], dir: &Path, files: 
     let sumo = &summary.sumo;
     let loss = sumo.time_loss_mean_s.map(|s| format!(", mean time loss {s:.1} s")).unwrap_or_default();
     lines.push(("SUMO", format!("{} inserted, {} arrived{loss}", sumo.inserted, sumo.arrived)));
-    let clamped = rows.iter().filter(|r| r.clamped_steps > 0).count();
-    let clamps: u64 = rows.iter().map(|r| r.clamped_steps).sum();
+    let clamped = rows.iter().filter(|r| r.stats.clamped_steps > 0).count();
+    let clamps: u64 = rows.iter().map(|r| r.stats.clamped_steps).sum();
     lines.push(("clamps", format!("{clamps} steps in {clamped} of {vehicles} vehicles")));
     lines.push(("collisions", format!("{}, teleports {}", sumo.collisions, sumo.teleports)));
     let factor = summary.real_time_factor.map(|f| format!("{f:.1} x real time, ")).unwrap_or_default();
@@ -104,10 +134,10 @@ mod tests {
     fn summary() -> (Vec<VehicleRow>, Summary) {
         let mut rows: Vec<_> = (0..5).map(|i| vehicle(&i.to_string(), f64::from(i))).collect();
         for (i, row) in rows.iter_mut().enumerate() {
-            row.error_rms = (i > 0).then_some(i as f64 / 10.0);
+            row.stats.error_rms = (i > 0).then_some(i as f64 / 10.0);
         }
         rows[4].reason = Reason::Running;
-        rows[4].clamped_steps = 7;
+        rows[4].stats.clamped_steps = 7;
         let totals = SumoTotals { inserted: 6, arrived: 4, time_loss_mean_s: Some(12.5), collisions: 1, teleports: 2 };
         let summary = Summary::new(&rows, totals, 600.0, 20.0);
         (rows, summary)

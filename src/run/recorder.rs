@@ -1,23 +1,25 @@
 //! What is written while the run goes on (trace, sample) and at its end (vehicles, edges).
 
-use super::RunError;
+use super::error::RunError;
 use super::outcome::Outcome;
+use super::result_dir::ResultDir;
+use super::rows::{EDGES, SampleRow, TRACE, TraceRow, VEHICLES, sort_vehicles};
+use super::sampler::Sampler;
+use super::schema::Schema;
 use crate::cosim::{Ego, World};
 use crate::fleet::block::Block;
-use crate::output::{
-    EDGES, ResultDir, SampleRow, Sampler, TRACE, Table, TraceRow, VEHICLES, sort_vehicles, write_table,
-};
+use crate::output::{Table, write_table};
 use crate::scenario::{Scenario, Trace};
 
 /// Open files.
-pub struct Writers {
+pub struct Recorder {
     trace: Option<(Table<TraceRow>, Trace, u64)>,
     sampler: Sampler,
     sample_every: u64,
     step: u64,
 }
 
-impl Writers {
+impl Recorder {
     /// Opens the files.
     pub fn open(scenario: &Scenario, dir: &ResultDir, world: &World) -> Result<Self, RunError> {
         let steps = |period_s: f64| (period_s / world.step_s()).round().max(1.0) as u64;
@@ -28,6 +30,8 @@ impl Writers {
             let table = Table::create(&dir.file(&output.trace_file), &TRACE)?;
             Some((table, output.trace.clone(), output.trace_period_s.map_or(1, steps)))
         };
+        let trace_file = trace.is_some().then_some(output.trace_file.as_str());
+        dir.write_schema(&Schema::of_run(&output.vehicles, trace_file))?;
         let sampler = Sampler::create(&dir.file("sample.csv"), scenario.sumo.seed)?;
         Ok(Self { trace, sampler, sample_every: steps(1.0), step: 0 })
     }
@@ -70,7 +74,7 @@ impl Writers {
     pub fn finish(self, dir: &ResultDir, scenario: &Scenario, outcome: &mut Outcome) -> Result<(), RunError> {
         sort_vehicles(&mut outcome.rows);
         let vehicles = write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows);
-        let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges.rows());
+        let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges);
         let trace = self.trace.map_or(Ok(()), |(trace, ..)| trace.finish().map(drop));
         let sample = self.sampler.finish().map(drop);
         vehicles.map(drop).and(edges.map(drop)).and(trace).and(sample)?;

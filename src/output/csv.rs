@@ -1,7 +1,9 @@
 //! Comma-separated text: `\n` at line ends, quotes only where a value needs them.
 
-use super::PartFile;
-use super::table::{Cell, Shape, Sink};
+use super::atomic::PartFile;
+use super::sink::Sink;
+use super::text::append;
+use crate::table::{Cell, Shape};
 use std::io;
 
 struct CsvSink {
@@ -12,18 +14,17 @@ struct CsvSink {
 /// Writes the header.
 pub(super) fn open(file: PartFile, shape: &Shape) -> io::Result<Box<dyn Sink>> {
     let mut writer = csv::WriterBuilder::new().terminator(csv::Terminator::Any(b'\n')).from_writer(file);
-    writer.write_record(shape.columns.iter().map(|(name, _)| name))?;
+    writer.write_record(shape.columns.iter().map(|column| &column.name))?;
     Ok(Box::new(CsvSink { writer, text: String::new() }))
 }
 
 impl Sink for CsvSink {
-    fn cell(&mut self, _column: usize, cell: Cell<'_>) -> io::Result<()> {
-        self.text.clear();
-        cell.append_to(&mut self.text);
-        Ok(self.writer.write_field(&self.text)?)
-    }
-
-    fn end_row(&mut self) -> io::Result<()> {
+    fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
+        for cell in cells {
+            self.text.clear();
+            append(&mut self.text, cell);
+            self.writer.write_field(&self.text)?;
+        }
         Ok(self.writer.write_record(None::<&[u8]>)?)
     }
 

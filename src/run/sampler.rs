@@ -5,7 +5,8 @@
 //! comes back, and who is left at the end was followed from the departure on. Points go to an unnamed file meanwhile,
 //! so that memory does not grow with time; about k·(1 + ln(n/k)) of n vehicles pass through it.
 
-use super::{OutputError, SAMPLE, SampleRow, Table, file_error};
+use super::rows::{SAMPLE, SampleRow};
+use crate::output::{OutputError, Table, file_error};
 use crate::random::Stream;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;

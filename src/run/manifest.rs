@@ -1,9 +1,8 @@
 //! `run.json`: what was run, with what, and how it ended.
 
-use super::{OutputError, file_error};
+use crate::output::{OutputError, file_error};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -102,10 +101,7 @@ pub fn sha256_of(path: &Path) -> Result<String, OutputError> {
             n => hash.update(&buffer[..n]),
         }
     }
-    Ok(hash.finalize().iter().fold(String::new(), |mut text, byte| {
-        write!(text, "{byte:02x}").expect("writing to a String cannot fail");
-        text
-    }))
+    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
 #[cfg(test)]

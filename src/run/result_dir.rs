@@ -1,8 +1,10 @@
 //! The folder of one run.
 
-use super::atomic::{part_of, write_whole};
-use super::{FORMATS, Manifest, OutputError, Status, Summary, file_error};
-use serde::Serialize;
+use super::error::RunError;
+use super::manifest::{Manifest, Status};
+use super::schema::Schema;
+use super::summary::Summary;
+use crate::output::{FORMATS, OutputError, file_error, part_of, write_json};
 use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
 
@@ -10,6 +12,7 @@ use std::path::{Component, Path, PathBuf};
 const TABLES: [&str; 5] = ["vehicles", "trace", "edges", "sample", "comparison"];
 const MANIFEST: &str = "run.json";
 const SUMMARY: &str = "summary.json";
+const SCHEMA: &str = "schema.json";
 
 /// The folder that a run writes to, held for as long as this value lives.
 #[derive(Debug)]
@@ -25,14 +28,14 @@ impl ResultDir {
     /// writes, and those which its manifest lists.
     ///
     /// # Errors
-    /// [`OutputError::Finished`], [`OutputError::Busy`], or [`OutputError::File`] naming what could not be made.
-    pub fn create(path: &Path, force: bool) -> Result<Self, OutputError> {
+    /// [`RunError::Finished`], [`RunError::Busy`], or [`OutputError::File`] naming what could not be made.
+    pub fn create(path: &Path, force: bool) -> Result<Self, RunError> {
         std::fs::create_dir_all(path).map_err(file_error("create", path))?;
         let lock = lock(path)?;
         let dir = Self { path: path.to_owned(), _lock: lock };
         let manifest = dir.read_manifest();
         if !force && let Some(found) = dir.result_found(manifest.as_ref()) {
-            return Err(OutputError::Finished { dir: dir.path, found });
+            return Err(RunError::Finished { dir: dir.path, found });
         }
         dir.clear(manifest.as_ref())?;
         // Asks for the permission now rather than after hours of simulation.
@@ -67,7 +70,7 @@ impl ResultDir {
     /// # Errors
     /// [`OutputError::File`] if it cannot be written.
     pub fn write_manifest(&self, manifest: &Manifest) -> Result<PathBuf, OutputError> {
-        self.write_json(MANIFEST, manifest)
+        write_json(&self.file(MANIFEST), manifest)
     }
 
     /// Writes `summary.json`.
@@ -75,7 +78,15 @@ impl ResultDir {
     /// # Errors
     /// [`OutputError::File`] if it cannot be written.
     pub fn write_summary(&self, summary: &Summary) -> Result<PathBuf, OutputError> {
-        self.write_json(SUMMARY, summary)
+        write_json(&self.file(SUMMARY), summary)
+    }
+
+    /// Writes `schema.json`.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if it cannot be written.
+    pub fn write_schema(&self, schema: &Schema) -> Result<PathBuf, OutputError> {
+        write_json(&self.file(SCHEMA), schema)
     }
 
     /// Ends the manifest: status `complete`, or `incomplete` with the reason, and the list of all files that are there,
@@ -111,12 +122,6 @@ impl ResultDir {
         Ok(files)
     }
 
-    fn write_json(&self, name: &str, value: &impl Serialize) -> Result<PathBuf, OutputError> {
-        let path = self.file(name);
-        let text = serde_json::to_string_pretty(value).map_err(|e| file_error("write", &path)(e.into()))?;
-        write_whole(&path, &(text + "\n"))
-    }
-
     fn read_manifest(&self) -> Option<Manifest> {
         serde_json::from_str(&std::fs::read_to_string(self.file(MANIFEST)).ok()?).ok()
     }
@@ -147,7 +152,7 @@ impl ResultDir {
 /// The files that this program writes into a result, `sumo/` apart.
 fn own_names() -> impl Iterator<Item = String> {
     let tables = TABLES.into_iter().flat_map(|table| FORMATS.iter().map(move |f| format!("{table}.{}", f.name)));
-    [MANIFEST, SUMMARY].map(str::to_owned).into_iter().chain(tables)
+    [MANIFEST, SUMMARY, SCHEMA].map(str::to_owned).into_iter().chain(tables)
 }
 
 /// A manifest is a file that anybody can edit: nothing outside the folder may be removed for it.
@@ -156,11 +161,11 @@ fn stays_below(path: &Path) -> bool {
 }
 
 /// Locks the folder; on systems where a folder cannot be locked, does without.
-fn lock(path: &Path) -> Result<Option<File>, OutputError> {
+fn lock(path: &Path) -> Result<Option<File>, RunError> {
     let Ok(folder) = File::open(path) else { return Ok(None) };
     match folder.try_lock() {
         Ok(()) => Ok(Some(folder)),
-        Err(TryLockError::WouldBlock) => Err(OutputError::Busy { dir: path.to_owned() }),
+        Err(TryLockError::WouldBlock) => Err(RunError::Busy { dir: path.to_owned() }),
         Err(TryLockError::Error(_)) => Ok(None),
     }
 }
@@ -192,7 +197,7 @@ mod tests {
             assert_eq!(read.reason, incomplete);
         }
         let error = ResultDir::create(&path, false).unwrap_err();
-        assert!(matches!(error, OutputError::Finished { .. }), "{error}");
+        assert!(matches!(error, RunError::Finished { .. }), "{error}");
         assert!(error.to_string().contains("--force"), "{error}");
         ResultDir::create(&path, true).unwrap();
     }
@@ -226,14 +231,14 @@ mod tests {
     fn somebody_elses_table_is_not_overwritten_silently() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("vehicles.csv"), "mine").unwrap();
-        assert!(matches!(ResultDir::create(folder.path(), false), Err(OutputError::Finished { .. })));
+        assert!(matches!(ResultDir::create(folder.path(), false), Err(RunError::Finished { .. })));
     }
 
     #[test]
     fn two_runs_do_not_write_to_one_folder() {
         let folder = tempfile::tempdir().unwrap();
         let first = ResultDir::create(folder.path(), false).unwrap();
-        assert!(matches!(ResultDir::create(folder.path(), true), Err(OutputError::Busy { .. })));
+        assert!(matches!(ResultDir::create(folder.path(), true), Err(RunError::Busy { .. })));
         drop(first);
         ResultDir::create(folder.path(), false).unwrap();
     }

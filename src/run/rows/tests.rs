@@ -1,21 +1,94 @@
+//! The columns that were promised, and every format read back by a reader of its own.
+
 use super::*;
-use crate::output::rows::tests::vehicle;
-use crate::output::{Reason, TRACE, TraceRow, VEHICLES, VehicleRow};
+use crate::output::{FORMATS, append, write_table};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A row with a value in every column.
+pub(crate) fn vehicle(id: &str, depart: f64) -> VehicleRow {
+    VehicleRow {
+        id: id.into(),
+        vehicle_type: "pkw".into(),
+        controller: "adaptive".into(),
+        target: "traffic".into(),
+        depart,
+        arrival: Some(depart + 60.0),
+        duration: Some(60.0),
+        timeloss: Some(12.5),
+        distance: Some(512.25),
+        stats: VehicleStats {
+            samples: 6000,
+            error_mean: Some(-0.01),
+            error_std: Some(0.1),
+            error_rms: Some(0.125),
+            error_max_abs: Some(0.5),
+            overshoot_max: Some(0.25),
+            speed_gap_rms: Some(0.2),
+            jerk_rms: Some(0.75),
+            accel_max: Some(2.5),
+            decel_max: Some(3.5),
+            torque_rms: Some(250.0),
+            share_traffic: Some(1.0),
+            share_limit: Some(0.0),
+            share_profile: Some(0.0),
+            share_clamp: Some(0.0),
+            clamped_steps: 0,
+            lead_limited: Some(0.0),
+            curvature_limited: Some(0.005),
+        },
+        odometer_gap: Some(-0.03),
+        collisions: 0,
+        reason: Reason::Arrived,
+    }
+}
+
+#[test]
+fn vehicles_have_the_columns_that_were_promised() {
+    let names: Vec<_> = VEHICLES.shape.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(
+        names.join(","),
+        "id,type,controller,target,depart,arrival,duration,timeloss,distance,samples,error_mean,error_std,\
+         error_rms,error_max_abs,overshoot_max,speed_gap_rms,jerk_rms,accel_max,decel_max,torque_rms,\
+         share_traffic,share_limit,share_profile,share_clamp,clamped_steps,lead_limited,curvature_limited,\
+         odometer_gap,collisions,reason,complete"
+    );
+}
+
+#[test]
+fn other_tables_have_the_columns_that_were_promised() {
+    let trace: Vec<_> = TRACE.shape.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(
+        trace.join(","),
+        "time,id,target,reference,speed,measured_speed,lateral_speed,yaw_rate,slip_front,slip_rear,torque,\
+         alpha_hat,f_hat,distance"
+    );
+    let edges: Vec<_> = EDGES.shape.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(edges.join(","), "edge,samples,error_mean,error_rms,speed_mean");
+}
+
+#[test]
+fn rows_are_ordered_by_departure_then_id() {
+    let mut rows = vec![vehicle("b", 2.0), vehicle("c", 1.0), vehicle("a", 2.0), vehicle("d", 10.0)];
+    sort_vehicles(&mut rows);
+    assert_eq!(rows.iter().map(|r| r.id.as_str()).collect::<String>(), "cabd");
+}
 
 /// Three vehicles: a plain one, one with an awkward id, one with hardly any values.
 fn fleet() -> Vec<VehicleRow> {
     let mut awkward = vehicle("a,\"b\" <&'c>\u{e9}", 1.0);
-    awkward.error_mean = Some(-0.0);
-    awkward.error_std = Some(f64::NAN);
-    awkward.error_rms = Some(1e-9);
+    awkward.stats.error_mean = Some(-0.0);
+    awkward.stats.error_std = Some(f64::NAN);
+    awkward.stats.error_rms = Some(1e-9);
     let mut short = vehicle("short", 2.0);
-    for value in [&mut short.arrival, &mut short.jerk_rms, &mut short.share_traffic, &mut short.odometer_gap] {
+    for value in
+        [&mut short.arrival, &mut short.stats.jerk_rms, &mut short.stats.share_traffic, &mut short.odometer_gap]
+    {
         *value = None;
     }
-    short.samples = 0;
+    short.stats.samples = 0;
     short.reason = Reason::TeleportedOut;
     vec![vehicle("veh0", 0.1), awkward, short]
 }
@@ -30,10 +103,10 @@ fn written(name: &str) -> (tempfile::TempDir, PathBuf) {
 fn expected() -> Vec<Vec<String>> {
     let text = |cell: Cell<'_>| {
         let mut text = String::new();
-        cell.append_to(&mut text);
+        append(&mut text, cell);
         text
     };
-    fleet().iter().map(|row| VEHICLES.columns.iter().map(|c| text(c.cell(row))).collect()).collect()
+    fleet().iter().map(|row| VEHICLES.cells(row).map(text).collect()).collect()
 }
 
 #[test]
@@ -59,7 +132,7 @@ fn parquet_reads_back() {
     let (_folder, path) = written("vehicles.parquet");
     let reader = SerializedFileReader::new(fs::File::open(&path).unwrap()).unwrap();
     assert_eq!(reader.metadata().file_metadata().num_rows(), 3);
-    let names: Vec<_> = VEHICLES.columns.iter().map(|c| c.name.to_owned()).collect();
+    let names: Vec<_> = VEHICLES.shape.columns.iter().map(|c| c.name.clone()).collect();
     let mut rows = Vec::new();
     for row in reader.get_row_iter(None).unwrap() {
         let row = row.unwrap();
@@ -71,7 +144,7 @@ fn parquet_reads_back() {
             Field::Bool(value) => value.to_string(),
             Field::Double(value) => {
                 let mut text = String::new();
-                crate::output::number::append(&mut text, *value);
+                append(&mut text, Cell::Number(Some(*value)));
                 text
             }
             other => panic!("{other:?}"),
@@ -111,7 +184,9 @@ fn xml_reads_back() {
     assert_eq!(found[0].0, "vehicles");
     let wanted: Vec<Vec<(String, String)>> = expected()
         .into_iter()
-        .map(|row| VEHICLES.columns.iter().map(|c| c.name.to_owned()).zip(row).filter(|(_, v)| !v.is_empty()).collect())
+        .map(|row| {
+            VEHICLES.shape.columns.iter().map(|c| c.name.clone()).zip(row).filter(|(_, v)| !v.is_empty()).collect()
+        })
         .collect();
     let rows = found.into_iter().skip(1).map(|(name, attributes)| {
         assert_eq!(name, "vehicle");

@@ -1,0 +1,78 @@
+//! Why there is no whole result.
+
+use super::signals::Signal;
+use crate::cosim::CosimError;
+use crate::output::OutputError;
+use crate::reference::ReferenceError;
+use crate::registry::UnknownName;
+use crate::scenario::ScenarioError;
+use crate::sumo_files::SumoFileError;
+use crate::traci;
+use std::path::PathBuf;
+
+/// Why there is no whole result.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The scenario.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// SUMO's own files.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    SumoFiles(#[from] SumoFileError),
+    /// The files.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The folder holds a result that nobody allowed to overwrite.
+    #[error("{} already holds a result ({found}); --force overwrites it, -o chooses another folder", .dir.display())]
+    Finished {
+        /// The folder.
+        dir: PathBuf,
+        /// What was found there.
+        found: String,
+    },
+    /// Another run writes to the same folder at this moment.
+    #[error("another run is writing to {}", .dir.display())]
+    Busy {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// SUMO and the connection to it.
+    #[error(transparent)]
+    Traci(#[from] traci::Error),
+    /// The coupling.
+    #[error(transparent)]
+    Cosim(#[from] CosimError),
+    /// The profile.
+    #[error("[target]: {0}")]
+    Reference(#[from] ReferenceError),
+    /// A name that no registry has.
+    #[error(transparent)]
+    Unknown(#[from] UnknownName),
+    /// A tyre curve.
+    #[error("vehicle.tyre_curve, {}: {what}", .path.display())]
+    Tyre {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// The system refuses threads or sockets.
+    #[error("cannot start the run: {0}")]
+    System(String),
+    /// A signal ended the run before its end.
+    #[error("ended by a signal ({0:?})")]
+    Interrupted(Signal),
+    /// A run that broke off; what was computed is in the folder.
+    #[error("the run broke off at {time_s} s; what was computed until then is in {}, marked incomplete", .dir.display())]
+    Broken {
+        /// Simulation time \[s\].
+        time_s: f64,
+        /// The folder.
+        dir: PathBuf,
+        /// What happened.
+        source: Box<RunError>,
+    },
+}

@@ -1,0 +1,139 @@
+//! The rows of the tables of a run. Each field is declared once, with column, unit and meaning.
+
+use crate::cosim::{Reason, Roads};
+use crate::stats::VehicleStats;
+use crate::table::{Cell, Column, Field, Kind, Layout, Read, record};
+use std::sync::{Arc, LazyLock};
+
+record! {
+    /// One ego that departed. e = V_x − y_ref on the true speed at every control period; `None` = no value.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct VehicleRow {
+        id: String = "SUMO's id of the vehicle";
+        vehicle_type as "type": Arc<str> = "Its vType";
+        controller: Arc<str> = "The controller that drove it";
+        target: Arc<str> = "The target that it followed";
+        depart: f64 = "Time of departure, as in SUMO's tripinfo" ["s"] not_in_summary;
+        arrival: Option<f64> = "Time of arrival, as in SUMO's tripinfo" ["s"] not_in_summary;
+        duration: Option<f64> = "From departure to arrival, or to the end of the run" ["s"];
+        timeloss: Option<f64> = "SUMO's time loss" ["s"];
+        distance: Option<f64> = "Distance that the body has driven: the integral of V_x over time" ["m"];
+        /// Its statistics.
+        stats: VehicleStats;
+        odometer_gap: Option<f64> = "SUMO's distance − that of the body, at the end" ["m"];
+        collisions: u64 = "Pairs of colliding vehicles that it was in";
+        /// How the row ended.
+        reason: Reason;
+    }
+}
+
+/// An ending has two columns.
+impl Field for Reason {
+    fn columns<R: 'static>(
+        _: Column,
+        find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static,
+    ) -> Vec<(Column, Read<R>)> {
+        let column = |name: &str, kind: Kind, meaning: &str| Column { kind, ..Column::number(name, None, meaning) };
+        let reasons = format!("How the row ended: {}", Self::ALL.map(Self::as_str).join(", "));
+        let reason = find.clone();
+        vec![
+            (column("reason", Kind::Text, &reasons), Box::new(move |row| Cell::Text(Some(reason(row).as_str())))),
+            (
+                column("complete", Kind::Flag, "True if the vehicle arrived"),
+                Box::new(move |row| Cell::Flag(*find(row) == Self::Arrived)),
+            ),
+        ]
+    }
+}
+
+/// Orders rows as the file has them: by departure, then id. Vehicles finish in another order.
+pub fn sort_vehicles(rows: &mut [VehicleRow]) {
+    rows.sort_by(|a, b| a.depart.total_cmp(&b.depart).then_with(|| a.id.cmp(&b.id)));
+}
+
+record! {
+    /// One vehicle at one time.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct TraceRow {
+        time: f64 = "Simulation time" ["s"];
+        id: Arc<str> = "SUMO's id of the vehicle";
+        target: f64 = "Target speed: v*, the limit or the profile" ["m/s"];
+        reference: f64 = "Reference speed y_ref" ["m/s"];
+        speed: f64 = "True speed V_x" ["m/s"];
+        measured_speed: f64 = "Measured speed, with the noise of the sensor" ["m/s"];
+        lateral_speed: f64 = "Lateral speed V_y, positive to the left" ["m/s"];
+        yaw_rate: f64 = "Yaw rate, positive to the left" ["rad/s"];
+        slip_front: f64 = "Longitudinal slip of the front axle";
+        slip_rear: f64 = "Longitudinal slip of the rear axle";
+        torque: f64 = "Applied torque, sum over the wheels" ["N·m"];
+        alpha_hat: f64 = "Estimate of α over its nominal value";
+        f_hat: f64 = "Estimate of F" ["m/s²"];
+        distance: f64 = "Distance that the body has driven" ["m"];
+    }
+}
+
+record! {
+    /// One of at most 200 vehicles at one second.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct SampleRow {
+        time: f64 = "Simulation time" ["s"];
+        id: Arc<str> = "SUMO's id of the vehicle";
+        speed: f64 = "True speed V_x" ["m/s"];
+        target: f64 = "Target speed: v*, the limit or the profile" ["m/s"];
+        distance: f64 = "Distance that the body has driven" ["m"];
+        torque: f64 = "Applied torque, sum over the wheels" ["N·m"];
+    }
+}
+
+record! {
+    /// One edge. The road of a vehicle is read once a second, and all its control periods since the last reading count
+    /// for it: around a junction up to a second goes to the wrong side.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct EdgeRow {
+        edge: String = "SUMO's id of the edge";
+        samples: u64 = "Control periods of all egos on it";
+        error_mean: f64 = "Mean of e" ["m/s"];
+        error_rms: f64 = "Root mean square of e" ["m/s"];
+        speed_mean: f64 = "Mean of V_x" ["m/s"];
+    }
+}
+
+/// The edges on which egos were seen, ordered by id.
+pub fn edge_rows(roads: &Roads) -> Vec<EdgeRow> {
+    let driven = roads.iter().filter(|(_, sums)| sums.samples > 0);
+    let row = |(edge, sums): (&str, &crate::stats::Sums)| {
+        let n = sums.samples as f64;
+        EdgeRow {
+            edge: edge.to_owned(),
+            samples: sums.samples,
+            error_mean: sums.error_mps / n,
+            error_rms: (sums.error_squared / n).sqrt(),
+            speed_mean: sums.speed_mps / n,
+        }
+    };
+    let mut rows: Vec<EdgeRow> = driven.map(row).collect();
+    rows.sort_by(|a, b| a.edge.cmp(&b.edge));
+    rows
+}
+
+/// `vehicles.csv`.
+pub static VEHICLES: LazyLock<Layout<VehicleRow>> = LazyLock::new(|| {
+    Layout::of_record(["vehicles", "vehicle"], "One row per ego that departed, ordered by departure, then id")
+});
+
+/// `trace.csv`.
+pub static TRACE: LazyLock<Layout<TraceRow>> =
+    LazyLock::new(|| Layout::of_record(["trace", "vehicle"], "One row per traced vehicle and time").by_time());
+
+/// `sample.csv`.
+pub static SAMPLE: LazyLock<Layout<SampleRow>> = LazyLock::new(|| {
+    Layout::of_record(["sample", "vehicle"], "One row per second and vehicle, of at most 200 vehicles drawn from all")
+        .by_time()
+});
+
+/// `edges.csv`.
+pub static EDGES: LazyLock<Layout<EdgeRow>> =
+    LazyLock::new(|| Layout::of_record(["edges", "edge"], "One row per edge on which egos were seen, ordered by id"));
+
+#[cfg(test)]
+pub(crate) mod tests;
