@@ -37,7 +37,7 @@
 use std::{collections::BTreeMap, path::PathBuf};
 
 /// What a key takes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub enum Kind {
     /// A number in `unit` ("-" = none), `min..=max`.
     Number {
@@ -61,6 +61,8 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// Any text.
     Text,
+    /// A text of a certain form. The function says what would be right instead.
+    Form(fn(&str) -> Result<(), String>),
     /// A file, relative to the scenario file's folder.
     File,
     /// A list of texts, or one text.
@@ -82,7 +84,7 @@ impl Kind {
 }
 
 /// One configuration key.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Key {
     /// Name inside its section; the unit comes last (`delay_s`).
     pub name: &'static str,
@@ -103,7 +105,7 @@ pub enum Value {
     Integer(i64),
     /// From [`Kind::Flag`].
     Flag(bool),
-    /// From [`Kind::Choice`], [`Kind::Text`] or [`Kind::File`].
+    /// From [`Kind::Choice`], [`Kind::Text`], [`Kind::Form`] or [`Kind::File`].
     Text(String),
     /// From [`Kind::Texts`] or [`Kind::Files`].
     Texts(Vec<String>),
@@ -184,6 +186,7 @@ pub trait Setting: Sized {
 pub trait Optional: Setting + Default {}
 
 impl<T: Setting> Optional for Option<T> {}
+impl<T> Optional for Vec<T> where Self: Setting {}
 
 /// Implements [`Setting`] for a type that one variant of [`Value`] holds.
 macro_rules! setting {
@@ -202,21 +205,26 @@ macro_rules! setting {
             }
 
             fn to_value(&self) -> Option<Value> {
-                let write: fn(&Self) -> _ = $write;
-                Some(Value::$variant(write(self)))
+                let write: fn(&Self) -> Option<_> = $write;
+                write(self).map(Value::$variant)
             }
         }
     )*};
 }
 
 setting! {
-    f64: f64 = Kind::Number { unit: "-", min: f64::MIN, max: f64::MAX }, Number, |x| Some(*x), |x| *x;
-    bool: bool = Kind::Flag, Flag, |x| Some(*x), |x| *x;
-    u16: u16 = Kind::Integer { min: 0, max: u16::MAX as i64 }, Integer, |x| Self::try_from(*x).ok(), |x| i64::from(*x);
-    u32: u32 = Kind::Integer { min: 0, max: u32::MAX as i64 }, Integer, |x| Self::try_from(*x).ok(), |x| i64::from(*x);
-    i64: i64 = Kind::Integer { min: i64::MIN, max: i64::MAX }, Integer, |x| Some(*x), |x| *x;
-    String: &'static str = Kind::Text, Text, |x: &String| Some(x.clone()), String::clone;
-    PathBuf: &'static str = Kind::File, Text, |x: &String| Some(x.into()), |x| x.to_string_lossy().into_owned();
+    f64: f64 = Kind::Number { unit: "-", min: f64::MIN, max: f64::MAX }, Number, |x| Some(*x), |x| Some(*x);
+    bool: bool = Kind::Flag, Flag, |x| Some(*x), |x| Some(*x);
+    u16: u16 = Kind::Integer { min: 0, max: u16::MAX as i64 }, Integer, |x| Self::try_from(*x).ok(), |x| Some((*x).into());
+    u32: u32 = Kind::Integer { min: 0, max: u32::MAX as i64 }, Integer, |x| Self::try_from(*x).ok(), |x| Some((*x).into());
+    u64: u64 = Kind::Integer { min: 0, max: i64::MAX }, Integer, |x| Self::try_from(*x).ok(), |x| i64::try_from(*x).ok();
+    i64: i64 = Kind::Integer { min: i64::MIN, max: i64::MAX }, Integer, |x| Some(*x), |x| Some(*x);
+    String: &'static str = Kind::Text, Text, |x: &String| Some(x.clone()), |x| Some(x.clone());
+    PathBuf: &'static str = Kind::File, Text, |x: &String| Some(x.into()), |x| Some(x.to_string_lossy().into_owned());
+    // An empty list is not set.
+    Vec<String>: Self = Kind::Texts, Texts, |x: &Vec<String>| Some(x.clone()), |x| (!x.is_empty()).then(|| x.clone());
+    Vec<PathBuf>: Self = Kind::Files, Texts, |x: &Vec<String>| Some(x.iter().map(PathBuf::from).collect()),
+        |x| (!x.is_empty()).then(|| x.iter().map(|path| path.to_string_lossy().into_owned()).collect());
 }
 
 impl<T: Setting> Setting for Option<T> {
@@ -236,45 +244,16 @@ impl<T: Setting> Setting for Option<T> {
     }
 }
 
-/// Lists: an empty one is not set.
-macro_rules! list {
-    ($($item:ty = $kind:ident, $read:expr, $write:expr;)*) => {$(
-        impl Setting for Vec<$item> {
-            type Literal = Self;
-            const KIND: Kind = Kind::$kind;
-
-            fn from_literal(literal: Self) -> Self {
-                literal
-            }
-
-            fn from_value(value: &Value) -> Option<Self> {
-                if let Value::Texts(texts) = value { Some(texts.iter().map($read).collect()) } else { None }
-            }
-
-            fn to_value(&self) -> Option<Value> {
-                (!self.is_empty()).then(|| Value::Texts(self.iter().map($write).collect()))
-            }
-        }
-
-        impl Optional for Vec<$item> {}
-    )*};
-}
-
-list! {
-    String = Texts, String::clone, String::clone;
-    PathBuf = Files, PathBuf::from, |path| path.to_string_lossy().into_owned();
-}
-
 /// Declares a struct of configuration keys ([`Keys`](crate::keys::Keys)); [`mod@crate::keys`] has an example.
 ///
 /// Each key is `/// help`, then `name: type = default, "unit", min..=max;`. The doc comment is the key's help, of one line.
-/// Numbers have a unit ("-" = none) and a range. A key of type `Option` needs no default. `..shared: OtherKeys,` in front
-/// takes over the keys of another struct.
+/// Numbers have a unit ("-" = none) and a range; a text may have `form FUNCTION` ([`Kind::Form`](crate::keys::Kind::Form)).
+/// Keys of type `Option` and lists need no default. `..shared: OtherKeys,` in front takes over the keys of another struct.
 #[macro_export]
 macro_rules! keys {
     ($(#[$meta:meta])* $vis:vis struct $name:ident {
         $(..$base:ident: $base_type:ty,)?
-        $(#[doc = $help:literal] $field:ident: $type:ty $(= $default:expr)? $(, $unit:literal, $range:expr)?;)*
+        $(#[doc = $help:literal] $field:ident: $type:ty $(= $default:expr)? $(, $unit:literal, $range:expr)? $(, form $form:expr)?;)*
     }) => {
         $(#[$meta])*
         #[derive(Debug, Clone, PartialEq)]
@@ -301,7 +280,7 @@ macro_rules! keys {
                         $(<$base_type as $crate::keys::Keys>::keys().to_vec(),)?
                         vec![$($crate::keys::Key {
                             name: stringify!($field),
-                            kind: $crate::keys!(@kind $type $(, $unit, $range)?),
+                            kind: $crate::keys!(@kind $type $(, $unit, $range)? $(, form $form)?),
                             default: _values.0.get(stringify!($field)).cloned(),
                             help: $help.trim_ascii(),
                         }),*],
@@ -331,6 +310,7 @@ macro_rules! keys {
     (@default $type:ty) => { $crate::keys::not_set::<$type>() };
     (@default $type:ty, $default:expr) => { <$type as $crate::keys::Setting>::from_literal($default) };
     (@kind $type:ty) => { <$type as $crate::keys::Setting>::KIND };
+    (@kind $type:ty, form $form:expr) => { $crate::keys::Kind::Form($form) };
     (@kind $type:ty, $unit:literal, $range:expr) => {
         <$type as $crate::keys::Setting>::KIND.within($unit, f64::from(*$range.start()), f64::from(*$range.end()))
     };

@@ -24,6 +24,12 @@ pub struct Place {
     pub(crate) span: Range<usize>,
 }
 
+impl PartialEq for Place {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.origin, &other.origin) && self.span == other.span
+    }
+}
+
 impl Place {
     /// The line, from 1.
     pub fn line(&self) -> usize {

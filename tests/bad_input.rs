@@ -273,3 +273,29 @@ fn results_are_not_overwritten() {
     refused(&folder, &["run", "scenario.toml"], &["scenario-classic-23423", "--force"]);
     assert_eq!(fs::read(out.join("vehicles.csv")).unwrap(), b"id\n");
 }
+
+#[test]
+fn all_mistakes_of_a_scenario_are_reported_at_once() {
+    let text = "[sumo]\nconfig = \"light.sumocfg\"\nsed = 1\n[actuator]\ndelay_s = \"250 ms\"\n[noise]\npower_db = 100\n\
+                [controller]\nname = \"clasic\"\nk_p = 1\n[trafic]\nsigma = 0\n[[group]]\nselect = \"type:bus*\"\n\
+                vehicle.mass_kg = { distribution = \"normal\", mean = 9000 }\n";
+    let mistakes = [
+        "bad.toml:3: unknown key sumo.sed; did you mean sumo.seed? (and 5 more)",
+        "bad.toml:5: actuator.delay_s: found \"250 ms\", wanted a number in s from 0 to 5 or a distribution",
+        "bad.toml:7: noise.power_db: found 100, wanted a number in dB from -200 to 60",
+        "bad.toml:9: controller.name: unknown controller \"clasic\" (did you mean \"classic\"?)",
+        "bad.toml:11: unknown key trafic; did you mean traffic?",
+        "bad.toml:15: group.0.vehicle.mass_kg.std: found nothing, wanted a number from 0",
+    ];
+    refused_scenario(text, &mistakes);
+
+    let folder = folder();
+    write(&folder, "bad.toml", text);
+    let arguments = ["check", "bad.toml", "--seed", "x", "--controller", "classic", "--set", "controller.kp=2"];
+    let of_arguments = ["--seed x: sumo.seed: found \"x\"", "--set controller.kp=2: unknown key controller.kp"];
+    refused(&folder, &arguments, &[&of_arguments[..], &mistakes[1..3]].concat());
+    let output = command(&folder, &arguments).output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(message.matches('×').count(), 7, "each once, those that a group inherits too:\n{message}");
+    assert!(!message.contains("clasic"), "the command line names another one:\n{message}");
+}

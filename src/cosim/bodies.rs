@@ -33,7 +33,7 @@ pub struct TypeFacts {
 
 /// All keys that a vehicle or vType may carry as `mfc.<key>`.
 pub fn parameter_keys() -> impl Iterator<Item = &'static Key> {
-    BodyKeys::keys().iter().filter(|k| k.kind != Kind::File).chain(ActuatorKeys::keys())
+    BodyKeys::keys().iter().filter(|k| !matches!(k.kind, Kind::File)).chain(ActuatorKeys::keys())
 }
 
 /// Names under which SUMO is asked for the parameter of a key: `mfc.mass_kg` and, shorter, `mfc.mass`.

@@ -14,13 +14,13 @@ use crate::{
 #[derive(Debug, Clone)]
 pub struct Catalog {
     /// Speed controllers, for `[controller]`.
-    pub controllers: Vec<Entry<control::Build>>,
+    pub(super) controllers: Vec<Entry<control::Build>>,
     /// Sources of the target speed, for `[target]`.
-    pub targets: Vec<Entry<reference::Build>>,
+    pub(super) targets: Vec<Entry<reference::Build>>,
     /// Vehicle models, for `[plant]`.
-    pub plants: Vec<Entry<BuildPlant>>,
+    pub(super) plants: Vec<Entry<BuildPlant>>,
     /// Presets of bodies, for `vehicle.preset`.
-    pub bodies: Vec<Entry<BuildBody>>,
+    pub(super) bodies: Vec<Entry<BuildBody>>,
 }
 
 impl Catalog {

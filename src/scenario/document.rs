@@ -5,7 +5,7 @@ use std::{collections::BTreeMap, ops::Range, path::PathBuf, sync::Arc};
 
 use toml_edit::{Item, TableLike, Value};
 
-use super::error::ScenarioError;
+use super::error::{Mistake, Wrong};
 use crate::place::{Origin, Place};
 
 /// Entries by key.
@@ -45,25 +45,34 @@ impl Node {
     }
 }
 
-/// Parses a TOML file.
-pub(crate) fn parse(name: String, text: String, folder: PathBuf) -> Result<Entry, ScenarioError> {
-    let origin = Arc::new(Origin { name, text, folder, argument: false });
-    let whole = Place { origin: origin.clone(), span: 0..0 };
-    let document = toml_edit::Document::parse(origin.text.as_str()).map_err(|e| ScenarioError::Syntax {
-        place: Place { origin: origin.clone(), span: e.span().unwrap_or(0..0) },
-        message: e.message().trim().to_owned(),
-    })?;
-    Ok(Entry { node: table(document.as_table(), &whole), place: whole })
+impl Entry {
+    /// The mistake that something else is `wanted` here.
+    pub fn wrong(&self, key: &str, wanted: impl Into<String>) -> Mistake {
+        let what = Wrong::Value { found: self.node.shown(), wanted: wanted.into() };
+        Mistake { place: self.place.clone(), key: key.to_owned(), what }
+    }
 }
 
-fn table(source: &dyn TableLike, parent: &Place) -> Node {
+/// Parses a TOML file.
+pub(crate) fn parse(name: String, text: String, folder: PathBuf) -> Result<Table, Mistake> {
+    let origin = Arc::new(Origin { name, text, folder, argument: false });
+    let whole = Place { origin: origin.clone(), span: 0..0 };
+    let document = toml_edit::Document::parse(origin.text.as_str()).map_err(|e| Mistake {
+        place: Place { origin: origin.clone(), span: e.span().unwrap_or(0..0) },
+        key: String::new(),
+        what: Wrong::Syntax(e.message().trim().to_owned()),
+    })?;
+    Ok(table(document.as_table(), &whole))
+}
+
+fn table(source: &dyn TableLike, parent: &Place) -> Table {
     let keys: Vec<&str> = source.iter().map(|(k, _)| k).collect();
     let entries = keys.into_iter().filter_map(|key| {
         let item = source.get(key)?;
         let key_span = source.key(key).and_then(|k| k.span());
         Some((key.to_owned(), entry(item, key_span, parent)))
     });
-    Node::Table(entries.collect())
+    entries.collect()
 }
 
 fn entry(item: &Item, key: Option<Range<usize>>, parent: &Place) -> Entry {
@@ -76,11 +85,11 @@ fn entry(item: &Item, key: Option<Range<usize>>, parent: &Place) -> Entry {
     };
     let place = Place { origin: parent.origin.clone(), span };
     let node = match item {
-        Item::Table(t) => table(t, &place),
+        Item::Table(t) => Node::Table(table(t, &place)),
         Item::ArrayOfTables(tables) => {
             let list = tables.iter().map(|t| {
                 let own = Place { span: t.span().unwrap_or_else(|| place.span.clone()), ..place.clone() };
-                Entry { node: table(t, &own), place: own }
+                Entry { node: Node::Table(table(t, &own)), place: own }
             });
             Node::List(list.collect())
         }
@@ -97,7 +106,7 @@ fn node(value: &Value, place: &Place) -> Node {
         Value::Float(x) => Node::Number(*x.value()),
         Value::Boolean(x) => Node::Flag(*x.value()),
         Value::Datetime(x) => Node::Time(x.value().to_string()),
-        Value::InlineTable(x) => table(x, place),
+        Value::InlineTable(x) => Node::Table(table(x, place)),
         Value::Array(list) => Node::List(
             list.iter()
                 .map(|v| {
@@ -146,7 +155,7 @@ impl Override {
     }
 
     /// Puts the value into `root`, making the tables on the way.
-    pub(crate) fn apply(&self, root: &mut Table) -> Result<(), ScenarioError> {
+    pub(crate) fn apply(&self, root: &mut Table) -> Result<(), Mistake> {
         let folder = PathBuf::new();
         let origin = Arc::new(Origin { name: self.shown.clone(), text: self.shown.clone(), folder, argument: true });
         let place = Place { origin, span: 0..self.shown.len() };
@@ -157,13 +166,7 @@ impl Override {
     }
 }
 
-fn put(table: &mut Table, parts: &[&str], path: &str, entry: Entry) -> Result<(), ScenarioError> {
-    let wrong = |found: String, wanted: String, place: Place| ScenarioError::WrongValue {
-        place,
-        key: path.to_owned(),
-        found,
-        wanted,
-    };
+fn put(table: &mut Table, parts: &[&str], path: &str, entry: Entry) -> Result<(), Mistake> {
     let [first, rest @ ..] = parts else { return Ok(()) };
     if rest.is_empty() {
         table.insert((*first).to_owned(), entry);
@@ -173,18 +176,18 @@ fn put(table: &mut Table, parts: &[&str], path: &str, entry: Entry) -> Result<()
     let next = table
         .entry((*first).to_owned())
         .or_insert_with(|| Entry { node: Node::Table(Table::new()), place: place.clone() });
-    match &mut next.node {
-        Node::Table(inner) => put(inner, rest, path, entry),
+    let (found, wanted) = match &mut next.node {
+        Node::Table(inner) => return put(inner, rest, path, entry),
         Node::List(list) => {
             let count = list.len();
-            let wanted = || format!("{first}.N with N below {count}");
             let chosen = rest[0].parse::<usize>().ok().and_then(|i| list.get_mut(i));
             match (chosen.map(|e| &mut e.node), &rest[1..]) {
-                (Some(Node::Table(inner)), more) if !more.is_empty() => put(inner, more, path, entry),
-                _ => Err(wrong(path.to_owned(), wanted(), place)),
+                (Some(Node::Table(inner)), more) if !more.is_empty() => return put(inner, more, path, entry),
+                _ => (path.to_owned(), format!("{first}.N with N below {count}")),
             }
         }
         // `vehicle.mass_kg.std` where the file has a plain number: say so instead of replacing it.
-        other => Err(wrong(format!("{first} = {}", other.shown()), format!("{first} to be a table"), place)),
-    }
+        other => (format!("{first} = {}", other.shown()), format!("{first} to be a table")),
+    };
+    Err(Mistake { place, key: path.to_owned(), what: Wrong::Value { found, wanted } })
 }

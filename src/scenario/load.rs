@@ -1,17 +1,23 @@
 //! From what was written to a checked [`Scenario`].
 
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 
 use super::{
-    Catalog, Choice, Group, Output, Override, PerVehicle, Preset, Scenario, ScenarioError, Selector, Vehicle,
-    document::{self, Entry, Node, Table},
-    section::{Section, known, text},
-    sections::SumoKeys,
+    catalog::Catalog,
+    document::{self, Entry, Node, Override, Table},
+    error::{Mistake, ScenarioError, Wrong},
+    model::{Choice, Group, Preset, Scenario, Vehicle},
+    reader::{Reader, names},
+    sections::{Egos, Named},
+    selector::Selector,
 };
 use crate::{
-    keys::{Key, Keys, Kind},
-    plant::ActuatorKeys,
-    registry::{self, UnknownName, find},
+    keys::{Key, Keys, Kind, Values},
+    plant::{ActuatorKeys, BodyKeys},
+    registry,
     sumo_files::{Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, is_xml, ours},
 };
 
@@ -58,50 +64,75 @@ impl Request {
     }
 }
 
-pub(super) fn load(request: &Request, catalog: &Catalog, offline: bool) -> Result<Scenario, ScenarioError> {
-    let mut notes = Vec::new();
-    let mut root = match &request.scenario {
-        Some(path) => read(path)?,
-        None => Table::new(),
-    };
-    for given in &request.overrides {
-        forget_other_choice(&mut root, given, catalog, &mut notes);
-        given.apply(&mut root)?;
+impl Scenario {
+    /// Reads and checks a scenario.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Mistakes`] with all mistakes, each with file, line, key, what was found and what was wanted; or
+    /// files that cannot be used.
+    pub fn load(request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
+        let scenario = Self::load_offline(request, catalog)?;
+        if scenario.sumo.source() == Source::Offline { Err(ScenarioError::NoSource) } else { Ok(scenario) }
     }
-    known("", &root, SECTIONS)?;
-    let mut scenario = resolve(request, &root, catalog, offline)?;
-    scenario.inputs.splice(0..0, request.scenario.iter().map(|p| absolute(Path::new(""), p)));
-    let sumo = section(&root, "sumo", "sumo")?;
-    let routes = sumo.get("routes").map(|entry| entry.place.clone());
-    let open = LeftOpen { seed: !sumo.contains_key("seed"), ballistic: !sumo.contains_key("ballistic") };
-    let demand = Demand::check(&mut scenario.sumo, open, routes, sumo.get("end_s").map(|entry| entry.place.clone()))?;
-    scenario.inputs.extend(demand.inputs);
-    scenario.notes.extend(demand.notes);
-    let mut seen = std::collections::BTreeSet::new();
-    scenario.inputs.retain(|path| seen.insert(path.clone()));
-    scenario.notes.splice(0..0, notes);
-    Ok(scenario)
+
+    /// The same for vehicles that drive without SUMO: the scenario need not name anything for SUMO to load.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn load_offline(request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
+        let mut root = request.scenario.as_deref().map_or(Ok(Table::new()), read)?;
+        let (mut reader, mut notes) = (Reader::default(), Vec::new());
+        for given in &request.overrides {
+            forget_other_choice(&mut root, given, catalog, &mut notes);
+            reader.noted(given.apply(&mut root));
+        }
+        reader.known("", &root, SECTIONS);
+        let mut scenario = resolve(&mut reader, request, &root, catalog);
+        reader.whole(())?;
+        let own = request.scenario.iter().map(|path| absolute(Path::new(""), path));
+        scenario.inputs = own.chain(files(&scenario)).collect();
+        let sumo = reader.section(&root, "sumo", "sumo");
+        let place = |key: &str| sumo.get(key).map(|entry| entry.place.clone());
+        let open = LeftOpen { seed: !sumo.contains_key("seed"), ballistic: !sumo.contains_key("ballistic") };
+        let demand = Demand::check(&mut scenario.sumo, open, place("routes"), place("end_s"))?;
+        scenario.inputs.extend(demand.inputs);
+        let mut seen = BTreeSet::new();
+        scenario.inputs.retain(|path| seen.insert(path.clone()));
+        scenario.notes = [notes, demand.notes].concat();
+        Ok(scenario)
+    }
 }
 
 /// The tables of a scenario file; a SUMO configuration is a scenario that says nothing else.
 fn read(path: &Path) -> Result<Table, ScenarioError> {
-    let unreadable = |reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
     let is_toml = path.extension().is_some_and(|e| e == "toml");
-    let is_network = path.to_string_lossy().trim_end_matches(".gz").ends_with(".net.xml");
-    if is_network {
+    if path.to_string_lossy().trim_end_matches(".gz").ends_with(".net.xml") {
         return Err(SumoFileError::NoRoutes { net: path.to_owned() }.into());
     }
-    if !is_toml && is_xml(path)? {
-        let mut root = Table::new();
-        Override::text("", "sumo.config", &path.to_string_lossy()).apply(&mut root)?;
-        return Ok(root);
-    }
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    match document::parse(path.display().to_string(), text, folder)?.node {
-        Node::Table(root) => Ok(root),
-        _ => Ok(Table::new()),
+    let parsed = if !is_toml && is_xml(path)? {
+        let mut root = Table::new();
+        Override::text("", "sumo.config", &path.to_string_lossy()).apply(&mut root).map(|()| root)
+    } else {
+        let unreadable = |reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
+        document::parse(path.display().to_string(), std::fs::read_to_string(path).map_err(unreadable)?, folder)
+    };
+    parsed.map_err(|mistake| ScenarioError::Mistakes { first: Box::new(mistake), more: Vec::new() })
+}
+
+/// The files that the scenario itself names, but for those of SUMO's configuration.
+fn files(scenario: &Scenario) -> Vec<PathBuf> {
+    let named = |keys: &[Key], values: &Values| -> Vec<PathBuf> {
+        keys.iter().filter(|k| matches!(k.kind, Kind::File)).filter_map(|k| values.get(k.name)).collect()
+    };
+    let mut files: Vec<PathBuf> = scenario.sumo.files().cloned().collect();
+    files.extend(named(scenario.plant.entry.keys, &scenario.plant.values));
+    for group in &scenario.groups {
+        files.extend(named(group.controller.entry.keys, &group.controller.values));
+        files.extend(named(group.target.entry.keys, &group.target.values));
+        files.extend(named(BodyKeys::keys(), &group.vehicle.body.values));
     }
+    files
 }
 
 /// The keys of `[controller]` belong to the controller that the file names. If the command line names another, they are
@@ -125,207 +156,122 @@ fn forget_other_choice(root: &mut Table, given: &Override, catalog: &Catalog, no
     }
 }
 
-fn resolve(request: &Request, root: &Table, catalog: &Catalog, offline: bool) -> Result<Scenario, ScenarioError> {
-    let section = |name: &str| section(root, name, name);
-    let (sumo, mut inputs) = sumo(&section("sumo")?, offline)?;
-    let egos = section("egos")?;
-    known("egos", &egos, &["select"])?;
-    let plant = choice("plant", "plant", &catalog.plants, &section("plant")?, &mut inputs)?;
+fn resolve(reader: &mut Reader, request: &Request, root: &Table, catalog: &Catalog) -> Scenario {
+    let table = |reader: &mut Reader, name: &str| reader.section(root, name, name);
+    let [sumo, egos, plant, coupling, traffic, output] =
+        ["sumo", "egos", "plant", "coupling", "traffic", "output"].map(|name| table(reader, name));
+    let named = Named::from_values(&reader.values("", root, Named::keys(), false).values);
+    let sumo = self::sumo(reader, &sumo);
+    // The file's own sections come first, so that a mistake in them is not said to be a group's.
+    let rest = group(reader, Selector::All, root, None, catalog);
+    let mut groups = own_groups(reader, root, catalog);
+    groups.push(rest);
     let scenario = Scenario {
-        name: name(request, root, &sumo)?,
-        egos: selector(&egos, "egos.select")?.unwrap_or(Selector::All),
-        groups: groups(root, catalog, &mut inputs)?,
-        plant,
-        coupling: keys("coupling", &section("coupling")?)?,
-        traffic: keys("traffic", &section("traffic")?)?,
-        output: output(&section("output")?)?,
+        name: named.name.unwrap_or_else(|| name(request, &sumo)),
+        egos: reader.keys::<Egos>("egos", &egos).select,
+        groups,
+        plant: choice(reader, "plant", "plant", &catalog.plants, &plant),
+        coupling: reader.keys("coupling", &coupling),
+        traffic: reader.keys("traffic", &traffic),
+        output: reader.keys("output", &output),
         sumo,
-        inputs,
+        inputs: Vec::new(),
         notes: Vec::new(),
     };
-    whole_periods(&scenario, root)?;
-    Ok(scenario)
+    whole_periods(reader, &scenario, root);
+    scenario
 }
 
-/// The table of a section; nothing is an empty one.
-pub(super) fn section(root: &Table, name: &str, path: &str) -> Result<Table, ScenarioError> {
-    match root.get(name) {
-        None => Ok(Table::new()),
-        Some(Entry { node: Node::Table(table), .. }) => Ok(table.clone()),
-        Some(entry) => Err(wrong(entry, path, &format!("a section [{name}]"))),
-    }
-}
-
-fn wrong(entry: &Entry, key: &str, wanted: &str) -> ScenarioError {
-    ScenarioError::WrongValue {
-        place: entry.place.clone(),
-        key: key.to_owned(),
-        found: entry.node.shown(),
-        wanted: wanted.to_owned(),
-    }
-}
-
-/// The keys of a section.
-fn keys<K: Keys>(path: &str, table: &Table) -> Result<K, ScenarioError> {
-    Ok(K::from_values(&Section { path, keys: K::keys(), others: &[], spread: false }.check(table)?.values))
-}
-
-fn name(request: &Request, root: &Table, sumo: &SumoSetup) -> Result<String, ScenarioError> {
-    if let Some(entry) = root.get("name") {
-        let name = text(entry, "name")?;
-        // The name becomes a folder of the results.
-        if name.is_empty() || name.starts_with('.') || name.contains(['/', '\\']) {
-            return Err(wrong(entry, "name", "a name without slashes that does not start with a dot"));
-        }
-        return Ok(name.to_owned());
-    }
-    let file = match (&request.scenario, &sumo.source) {
-        (Some(path), _) | (None, Source::Config(path) | Source::Network { net: path, .. }) => path.as_path(),
-        (None, Source::Running) => return Ok("running".to_owned()),
-        (None, Source::Offline) => return Ok("offline".to_owned()),
+/// The name of a scenario that has none: that of its file.
+fn name(request: &Request, sumo: &SumoSetup) -> String {
+    let file = match (&request.scenario, sumo.source()) {
+        (Some(path), _) => path.as_path(),
+        (None, Source::Config(path) | Source::Network(path)) => path,
+        (None, Source::Running) => return "running".to_owned(),
+        (None, Source::Offline) => return "offline".to_owned(),
     };
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
     let endings = [".net.xml", ".sumocfg", ".sumo.cfg", ".toml", ".xml", ".cfg"];
     let stem = endings.iter().find_map(|e| name.strip_suffix(e)).unwrap_or(name);
-    Ok(if stem.is_empty() { "scenario".to_owned() } else { stem.to_owned() })
+    if stem.is_empty() { "scenario".to_owned() } else { stem.to_owned() }
 }
 
-fn sumo(table: &Table, offline: bool) -> Result<(SumoSetup, Vec<PathBuf>), ScenarioError> {
-    let keys: SumoKeys = keys("sumo", table)?;
-    let source = match (keys.config, keys.net, &keys.connect) {
-        (Some(config), None, _) => Source::Config(config),
-        (None, Some(net), _) => Source::Network { net, routes: keys.routes, additional: keys.additional },
-        (None, None, Some(_)) => Source::Running,
-        (None, None, None) if offline => Source::Offline,
-        (None, None, None) => return Err(ScenarioError::NoSource("nothing to run".to_owned())),
-        (Some(_), Some(_), _) => {
-            return Err(wrong(&table["net"], "sumo.net", "either sumo.config or sumo.net, not both"));
-        }
-    };
-    if let (Source::Config(_) | Source::Running | Source::Offline, Some((key, entry))) =
-        (&source, table.get_key_value("routes").or(table.get_key_value("additional")))
-    {
-        return Err(wrong(entry, &format!("sumo.{key}"), "sumo.net beside it"));
-    }
-    if let Some(connect) = &keys.connect
-        && connect.rsplit_once(':').is_none_or(|(host, port)| host.is_empty() || port.parse::<u16>().is_err())
-    {
-        return Err(wrong(&table["connect"], "sumo.connect", "HOST:PORT"));
-    }
-    let setup = SumoSetup {
-        source,
-        step_length_s: keys.step_length_s,
-        end_s: keys.end_s,
-        seed: u64::from(keys.seed),
-        ballistic: keys.ballistic,
-        options: options(table, keys.options)?,
-        gui: keys.gui,
-        port: keys.port,
-        num_clients: keys.num_clients,
-        connect: keys.connect,
-    };
-    let inputs = match &setup.source {
-        Source::Config(config) => vec![config.clone()],
-        Source::Network { net, routes, additional } => {
-            std::iter::once(net).chain(routes).chain(additional).cloned().collect()
-        }
-        Source::Running | Source::Offline => Vec::new(),
-    };
-    Ok((setup, inputs))
-}
-
-/// SUMO's further options, of which none is set here already.
-fn options(table: &Table, options: Vec<String>) -> Result<Vec<String>, ScenarioError> {
-    match (ours(&options), table.get("options")) {
-        (Some((option, instead)), Some(entry)) => Err(ScenarioError::WrongValue {
-            place: entry.place.clone(),
-            key: "sumo.options".to_owned(),
-            found: option,
-            wanted: format!("{instead} in its place"),
-        }),
-        _ => Ok(options),
-    }
-}
-
-fn output(table: &Table) -> Result<Output, ScenarioError> {
-    let output: Output = keys("output", table)?;
-    for (key, name) in [("vehicles", &output.vehicles), ("trace_file", &output.trace_file)] {
-        let plain = !name.contains(['/', '\\']) && [".csv", ".parquet", ".xml"].iter().any(|e| name.ends_with(e));
-        if !plain {
-            let wanted = "a file name without folder that ends in .csv, .parquet or .xml";
-            return Err(wrong(&table[key], &format!("output.{key}"), wanted));
+fn sumo(reader: &mut Reader, table: &Table) -> SumoSetup {
+    let setup: SumoSetup = reader.keys("sumo", table);
+    match (table.contains_key("config"), table.get("net")) {
+        (true, Some(net)) => reader.note(net.wrong("sumo.net", "either sumo.config or sumo.net, not both")),
+        (_, Some(_)) => {}
+        (_, None) => {
+            for key in ["routes", "additional"] {
+                if let Some(entry) = table.get(key) {
+                    reader.note(entry.wrong(&format!("sumo.{key}"), "sumo.net beside it"));
+                }
+            }
         }
     }
-    Ok(output)
-}
-
-fn selector(table: &Table, path: &str) -> Result<Option<Selector>, ScenarioError> {
-    let Some(entry) = table.get("select") else { return Ok(None) };
-    Selector::parse(text(entry, path)?).map(Some).map_err(|wanted| wrong(entry, path, &wanted))
+    if let (Some((found, instead)), Some(entry)) = (ours(&setup.options), table.get("options")) {
+        let what = Wrong::Value { found, wanted: format!("{instead} in its place") };
+        reader.note(Mistake { place: entry.place.clone(), key: "sumo.options".to_owned(), what });
+    }
+    setup
 }
 
 /// What `table` picks from the entries of a kind, with the values of its keys; the first entry is the default.
 fn choice<B: Clone>(
+    reader: &mut Reader,
     kind: &'static str,
     path: &str,
     entries: &[registry::Entry<B>],
     table: &Table,
-    inputs: &mut Vec<PathBuf>,
-) -> Result<Choice<B>, ScenarioError> {
-    let key = format!("{path}.name");
-    let chosen = match table.get("name") {
-        None => &entries[0],
+) -> Choice<B> {
+    let named = reader.named(kind, entries, table, (path, "name"));
+    if named.is_none() && table.contains_key("name") {
+        // Nobody knows which keys an unknown entry takes.
+        return Choice { entry: entries[0].clone(), values: Values::default() };
+    }
+    let entry = named.unwrap_or_else(|| entries[0].clone());
+    reader.known(path, table, &names(&["name"], entry.keys));
+    let values = reader.values(path, table, entry.keys, false).values;
+    Choice { entry, values }
+}
+
+/// The `[[group]]`s.
+fn own_groups(reader: &mut Reader, root: &Table, catalog: &Catalog) -> Vec<Group> {
+    let listed = match root.get("group") {
+        None => return Vec::new(),
+        Some(Entry { node: Node::List(list), .. }) => list,
         Some(entry) => {
-            let name = text(entry, &key)?;
-            find(kind, entries, name).map_err(|unknown| unknown_name(entry, &key, unknown))?
+            reader.note(entry.wrong("group", "groups, each headed [[group]]"));
+            return Vec::new();
         }
     };
-    let values = Section { path, keys: chosen.keys, others: &["name"], spread: false }.check(table)?.values;
-    for key in chosen.keys.iter().filter(|k| k.kind == Kind::File) {
-        inputs.extend(values.get::<PathBuf>(key.name));
-    }
-    Ok(Choice { entry: chosen.clone(), values })
-}
-
-fn unknown_name(entry: &Entry, key: &str, unknown: UnknownName) -> ScenarioError {
-    ScenarioError::UnknownName { place: entry.place.clone(), key: key.to_owned(), unknown: Box::new(unknown) }
-}
-
-/// The `[[group]]`s, and last the one that the file's own sections describe.
-fn groups(root: &Table, catalog: &Catalog, inputs: &mut Vec<PathBuf>) -> Result<Vec<Group>, ScenarioError> {
     let mut groups = Vec::new();
-    let listed = match root.get("group") {
-        None => &Vec::new(),
-        Some(Entry { node: Node::List(list), .. }) => list,
-        Some(entry) => return Err(wrong(entry, "group", "groups, each headed [[group]]")),
-    };
     for (index, entry) in listed.iter().enumerate() {
         let path = format!("group.{index}");
-        let Node::Table(own) = &entry.node else { return Err(wrong(entry, &path, "a table")) };
-        known(&path, own, GROUP_SECTIONS)?;
-        let select = selector(own, &format!("{path}.select"))?
-            .ok_or_else(|| wrong(entry, &format!("{path}.select"), "a selector: select = \"type:bus*\""))?;
-        groups.push(group(select, root, Some((&path, own)), catalog, inputs)?);
+        let Node::Table(own) = &entry.node else {
+            reader.note(entry.wrong(&path, "a table"));
+            continue;
+        };
+        reader.known(&path, own, GROUP_SECTIONS);
+        if !own.contains_key("select") {
+            reader.note(entry.wrong(&format!("{path}.select"), "a selector: select = \"type:bus*\""));
+        }
+        let select = Egos::from_values(&reader.values(&path, own, Egos::keys(), false).values).select;
+        groups.push(group(reader, select, root, Some((&path, own)), catalog));
     }
-    groups.push(group(Selector::All, root, None, catalog, inputs)?);
-    Ok(groups)
+    groups
 }
 
-fn group(
-    select: Selector,
-    root: &Table,
-    own: Option<(&str, &Table)>,
-    catalog: &Catalog,
-    inputs: &mut Vec<PathBuf>,
-) -> Result<Group, ScenarioError> {
+/// One group, or what the file's own sections describe.
+fn group(reader: &mut Reader, select: Selector, root: &Table, own: Option<(&str, &Table)>, catalog: &Catalog) -> Group {
     let path = |name: &str| own.map_or(name.to_owned(), |(path, _)| format!("{path}.{name}"));
     // A group inherits the file's section key by key, unless it chooses another name: then the keys are others too.
-    let merged = |name: &str, default: Option<&str>| -> Result<Table, ScenarioError> {
-        let keys = if name == "vehicle" { body_keys(catalog) } else { &[] };
-        let top = undotted(section(root, name, name)?, keys);
-        let Some((_, own)) = own else { return Ok(top) };
-        let own = undotted(section(own, name, &path(name))?, keys);
+    let merged = |reader: &mut Reader, name: &str, default: Option<&str>| -> Table {
+        let keys = if name == "vehicle" { BodyKeys::keys() } else { &[] };
+        let top = undotted(reader.section(root, name, name), keys);
+        let Some((_, own)) = own else { return top };
+        let own = undotted(reader.section(own, name, &path(name)), keys);
         let named = |t: &Table| match t.get("name").map(|e| &e.node) {
             Some(Node::Text(name)) => Some(name.clone()),
             _ => None,
@@ -333,29 +279,25 @@ fn group(
         let inherited = named(&top).or(default.map(str::to_owned));
         let mut table = if named(&own).is_some() && named(&own) != inherited { Table::new() } else { top };
         table.extend(own);
-        Ok(table)
+        table
     };
-    let controllers = &catalog.controllers;
-    let targets = &catalog.targets;
-    let controller = merged("controller", controllers.first().map(|e| e.name))?;
-    let target = merged("target", targets.first().map(|e| e.name))?;
-    Ok(Group {
+    let (controllers, targets) = (&catalog.controllers, &catalog.targets);
+    let controller = merged(reader, "controller", controllers.first().map(|e| e.name));
+    let target = merged(reader, "target", targets.first().map(|e| e.name));
+    let [vehicle, actuator, noise] = ["vehicle", "actuator", "noise"].map(|name| merged(reader, name, None));
+    reader.known(&path("actuator"), &actuator, &names(&[], ActuatorKeys::keys()));
+    Group {
         select,
-        controller: choice("controller", &path("controller"), controllers, &controller, inputs)?,
-        target: choice("target", &path("target"), targets, &target, inputs)?,
-        vehicle: vehicle(&path("vehicle"), &merged("vehicle", None)?, catalog, inputs)?,
-        actuator: per_vehicle(&path("actuator"), ActuatorKeys::keys(), &[], &merged("actuator", None)?)?,
-        noise: keys(&path("noise"), &merged("noise", None)?)?,
-    })
+        controller: choice(reader, "controller", &path("controller"), controllers, &controller),
+        target: choice(reader, "target", &path("target"), targets, &target),
+        vehicle: self::vehicle(reader, &path("vehicle"), &vehicle, catalog),
+        actuator: reader.values(&path("actuator"), &actuator, ActuatorKeys::keys(), true),
+        noise: reader.keys(&path("noise"), &noise),
+    }
 }
 
-/// The keys of a body; all presets have the same.
-fn body_keys(catalog: &Catalog) -> &'static [Key] {
-    catalog.bodies.first().map_or(&[], |body| body.keys)
-}
-
-/// Keys may be written with a dot in place of their first underscore, `tyre.curve` for `tyre_curve`: a table under a name that is no
-/// key gives way to its entries, if all of them become keys.
+/// A key may be written with a dot in place of its first underscore, `tyre.curve` for `tyre_curve`. A table under a name
+/// that is no key gives way to its entries, if all of them become keys.
 fn undotted(table: Table, keys: &[Key]) -> Table {
     let is_key = |name: &str| keys.iter().any(|key| key.name == name);
     let mut flat = Table::new();
@@ -373,29 +315,15 @@ fn undotted(table: Table, keys: &[Key]) -> Table {
     flat
 }
 
-fn vehicle(path: &str, table: &Table, catalog: &Catalog, inputs: &mut Vec<PathBuf>) -> Result<Vehicle, ScenarioError> {
-    let body = per_vehicle(path, body_keys(catalog), &["preset"], table)?;
-    let preset = match table.get("preset") {
-        None => Preset::ByClass(catalog.bodies.clone()),
-        Some(entry) => {
-            let key = format!("{path}.preset");
-            let name = text(entry, &key)?;
-            let found = find("body", &catalog.bodies, name).map_err(|unknown| unknown_name(entry, &key, unknown))?;
-            Preset::Named(found.clone())
-        }
-    };
-    for key in body_keys(catalog).iter().filter(|k| k.kind == Kind::File) {
-        inputs.extend(body.values.get::<PathBuf>(key.name));
-    }
-    Ok(Vehicle { preset, body })
-}
-
-fn per_vehicle(path: &str, keys: &[Key], others: &[&str], table: &Table) -> Result<PerVehicle, ScenarioError> {
-    Section { path, keys, others, spread: true }.check(table)
+fn vehicle(reader: &mut Reader, path: &str, table: &Table, catalog: &Catalog) -> Vehicle {
+    reader.known(path, table, &names(&["preset"], BodyKeys::keys()));
+    let preset = reader.named("body", &catalog.bodies, table, (path, "preset"));
+    let preset = preset.map_or_else(|| Preset::ByClass(catalog.bodies.clone()), Preset::Named);
+    Vehicle { preset, body: reader.values(path, table, BodyKeys::keys(), true) }
 }
 
 /// SUMO rounds its step to 1 ms, and a step holds whole control periods.
-fn whole_periods(scenario: &Scenario, root: &Table) -> Result<(), ScenarioError> {
+fn whole_periods(reader: &mut Reader, scenario: &Scenario, root: &Table) {
     let (step_s, period_s) = (scenario.sumo.step_length_s, scenario.coupling.control_period_s);
     let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() < 1e-6 * ratio;
     let wanted = if !whole(step_s / 0.001) {
@@ -403,20 +331,19 @@ fn whole_periods(scenario: &Scenario, root: &Table) -> Result<(), ScenarioError>
     } else if !whole(step_s / period_s) {
         format!("a whole number of control periods (coupling.control_period_s = {period_s:?})")
     } else {
-        return Ok(());
+        return;
     };
     let at = |name: &str, key: &str| match root.get(name).map(|e| &e.node) {
-        Some(Node::Table(table)) => table.get(key).cloned(),
+        Some(Node::Table(table)) => table.get(key),
         _ => None,
     };
+    let given = [at("sumo", "step_length_s"), at("coupling", "control_period_s")];
+    if given.into_iter().flatten().any(|entry| reader.refused(entry)) {
+        return;
+    }
     // One of the two was given: the defaults fit each other.
-    match at("sumo", "step_length_s").or_else(|| at("coupling", "control_period_s")) {
-        None => Ok(()),
-        Some(entry) => Err(ScenarioError::WrongValue {
-            place: entry.place,
-            key: "sumo.step_length_s".to_owned(),
-            found: format!("{step_s:?}"),
-            wanted,
-        }),
+    if let Some(entry) = given.into_iter().flatten().next() {
+        let what = Wrong::Value { found: format!("{step_s:?}"), wanted };
+        reader.note(Mistake { place: entry.place.clone(), key: "sumo.step_length_s".to_owned(), what });
     }
 }

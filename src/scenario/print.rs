@@ -3,37 +3,40 @@
 use std::fmt::Write;
 
 use super::{
-    Catalog, Choice, Group, PerVehicle, Preset, Scenario,
-    section::wanted,
-    sections::{Coupling, Output, PresetKeys, SumoKeys, Traffic},
+    catalog::Catalog,
+    model::{Choice, Group, Preset, Scenario},
+    reader::wanted,
+    sections::{Coupling, Egos, Named, Output, PresetKeys, Traffic},
+    spread::PerVehicle,
 };
 use crate::{
     keys::{Key, Keys, Kind, Value, Values},
     measurement::NoiseKeys,
-    plant::ActuatorKeys,
+    plant::{ActuatorKeys, BodyKeys},
     registry::Entry,
-    sumo_files::Source,
+    sumo_files::SumoSetup,
 };
 
-/// The scenario as TOML; reading it gives the same scenario.
-pub(super) fn scenario(scenario: &Scenario) -> String {
-    let mut out = Document::default();
-    out.text("name", &scenario.name);
-    out.sumo(scenario);
-    out.header("[egos]");
-    out.text("select", &scenario.egos.to_string());
-    let [own @ .., rest] = scenario.groups.as_slice() else { return out.0 };
-    out.group("", rest);
-    out.choice("plant", &scenario.plant);
-    out.section("traffic", &scenario.traffic);
-    out.section("coupling", &scenario.coupling);
-    out.section("output", &scenario.output);
-    for group in own {
-        out.header("[[group]]");
-        out.text("select", &group.select.to_string());
-        out.group("group.", group);
+impl Scenario {
+    /// The scenario as TOML in SI units. Reading it gives the same scenario.
+    pub fn to_toml(&self) -> String {
+        let mut out = Document::default();
+        out.text("name", &self.name);
+        out.section("sumo", &self.sumo);
+        out.section("egos", &Egos { select: self.egos.clone() });
+        let [own @ .., rest] = self.groups.as_slice() else { return out.0 };
+        out.group("", rest);
+        out.choice("plant", &self.plant);
+        out.section("traffic", &self.traffic);
+        out.section("coupling", &self.coupling);
+        out.section("output", &self.output);
+        for group in own {
+            out.header("[[group]]");
+            out.text("select", &group.select.to_string());
+            out.group("group.", group);
+        }
+        out.0
     }
-    out.0
 }
 
 /// TOML under construction.
@@ -51,19 +54,6 @@ impl Document {
 
     fn text(&mut self, key: &str, text: &str) {
         self.line(key, quoted(text));
-    }
-
-    fn texts<T: AsRef<str>>(&mut self, key: &str, texts: impl IntoIterator<Item = T>) {
-        let texts: Vec<String> = texts.into_iter().map(|t| quoted(t.as_ref())).collect();
-        if !texts.is_empty() {
-            self.line(key, format!("[{}]", texts.join(", ")));
-        }
-    }
-
-    fn number(&mut self, key: &str, number: Option<f64>) {
-        if let Some(number) = number {
-            self.line(key, format!("{number:?}"));
-        }
     }
 
     fn section<K: Keys>(&mut self, section: &str, keys: &K) {
@@ -107,33 +97,6 @@ impl Document {
         self.per_vehicle(&group.actuator);
         self.section(&format!("{prefix}noise"), &group.noise);
     }
-
-    fn sumo(&mut self, scenario: &Scenario) {
-        let sumo = &scenario.sumo;
-        self.header("[sumo]");
-        match &sumo.source {
-            Source::Config(path) => self.text("config", &path.to_string_lossy()),
-            Source::Network { net, routes, additional } => {
-                self.text("net", &net.to_string_lossy());
-                self.texts("routes", routes.iter().map(|p| p.to_string_lossy()));
-                self.texts("additional", additional.iter().map(|p| p.to_string_lossy()));
-            }
-            Source::Running | Source::Offline => {}
-        }
-        self.number("step_length_s", Some(sumo.step_length_s));
-        self.number("end_s", sumo.end_s);
-        self.line("seed", sumo.seed);
-        self.line("ballistic", sumo.ballistic);
-        self.texts("options", &sumo.options);
-        self.line("gui", sumo.gui);
-        if let Some(port) = sumo.port {
-            self.line("port", port);
-        }
-        self.line("num_clients", sumo.num_clients);
-        if let Some(connect) = &sumo.connect {
-            self.text("connect", connect);
-        }
-    }
 }
 
 fn quoted(text: &str) -> String {
@@ -156,24 +119,23 @@ pub(super) fn literal(value: &Value) -> String {
 pub fn template(catalog: &Catalog) -> String {
     let mut out = String::from(
         "# Every key of a scenario file. Values shown are the defaults; a key behind # has none, or belongs to another name.\n\
-         # File names are relative to this file.\n\
-         # name = \"...\"  # names the folder of the results; default: this file's name\n",
+         # File names are relative to this file.\n",
     );
+    out.push_str(&keys(Named::keys(), ""));
     let mut section = |header: &str, body: &str| {
         let _ = write!(out, "\n[{header}]\n{body}");
     };
-    section("sumo", &keys(SumoKeys::keys(), ""));
-    section("egos", "select = \"all\"  # all | param | type:GLOB | id:REGEX | class:NAME | share:0.25\n");
+    section("sumo", &keys(SumoSetup::keys(), ""));
+    section("egos", &keys(Egos::keys(), ""));
     let [choices @ .., (_, bodies)] = catalog.registries();
     for (name, entries) in &choices {
         section(name, &choice(entries));
     }
-    let body_keys = bodies.first().map_or("".into(), |body| keys(body.keys, ""));
     let bodies: String = bodies.iter().map(|b| format!("# preset {}: {}\n", b.name, b.summary)).collect();
     let drawn = "# Any number of [vehicle] and [actuator] can be drawn per vehicle:\n\
                  # KEY = { distribution = \"normal\", mean = 1.0, std = 0.1, min = 0.5, max = 1.5 }  # min, max: default the range\n\
                  # KEY = { distribution = \"uniform\", min = 0.5, max = 1.5 }\n";
-    section("vehicle", &(bodies + drawn + &keys(PresetKeys::keys(), "") + &body_keys));
+    section("vehicle", &(bodies + drawn + &keys(PresetKeys::keys(), "") + &keys(BodyKeys::keys(), "")));
     section("actuator", &keys(ActuatorKeys::keys(), ""));
     section("noise", &keys(NoiseKeys::keys(), ""));
     section("traffic", &keys(Traffic::keys(), ""));

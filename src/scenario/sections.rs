@@ -1,39 +1,31 @@
 //! The fixed sections of a scenario file. What is chosen by name brings its own keys; see the catalog.
 
-use std::path::PathBuf;
-
-use crate::keys;
-use crate::keys::{Kind, Setting, Value};
+use super::selector::Selector;
+use crate::{
+    keys,
+    keys::{Kind, Setting, Value},
+};
 
 keys! {
-    /// `[sumo]`
-    pub(super) struct SumoKeys {
-        /// SUMO configuration (.sumocfg); or net and routes
-        config: Option<PathBuf>;
-        /// SUMO network (.net.xml), instead of config
-        net: Option<PathBuf>;
-        /// SUMO's step, a whole number of control periods and of 1 ms
-        step_length_s: f64 = 0.1, "s", 0.001..=10.0;
-        /// simulation time at which the run ends; not set = the configuration's
-        end_s: Option<f64>, "s", 0.001..=1e9;
-        /// seed of SUMO and of everything drawn here
-        seed: u32 = 23423, "-", 0..=i32::MAX;
-        /// SUMO moves vehicles by the mean of old and new speed, as the body does
-        ballistic: bool = true;
-        /// start sumo-gui instead of sumo
-        gui: bool = false;
-        /// TraCI port; not set = a free one
-        port: Option<u16>, "-", 1..=65535;
-        /// TraCI clients that SUMO waits for, this one included
-        num_clients: u32 = 1, "-", 1..=1000;
-        /// HOST:PORT of a SUMO that already runs
-        connect: Option<String>;
-        /// route files of net
-        routes: Vec<PathBuf>;
-        /// additional files of net
-        additional: Vec<PathBuf>;
-        /// further options of SUMO
-        options: Vec<String>;
+    /// The key outside of all sections.
+    pub(super) struct Named {
+        /// names the folder of the results; default: this file's name
+        name: Option<String>, form folder_name;
+    }
+}
+
+fn folder_name(name: &str) -> Result<(), String> {
+    if !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\']) {
+        return Ok(());
+    }
+    Err("a name without slashes that does not start with a dot".to_owned())
+}
+
+keys! {
+    /// Which vehicles get a body and a controller.
+    pub(super) struct Egos {
+        /// vehicles with a body and a controller
+        select: Selector = Selector::All;
     }
 }
 
@@ -71,14 +63,22 @@ keys! {
     /// What is written.
     pub struct Output {
         /// table of vehicles: .csv, .parquet or .xml
-        vehicles: String = "vehicles.csv";
+        vehicles: String = "vehicles.csv", form table_name;
         /// none, all or vehicle ids separated by commas
         trace: Trace = Trace::None;
         /// time between rows of the trace; not set = SUMO's step
         trace_period_s: Option<f64>, "s", 0.0001..=3600.0;
         /// file of the trace: .csv, .parquet or .xml
-        trace_file: String = "trace.csv";
+        trace_file: String = "trace.csv", form table_name;
     }
+}
+
+fn table_name(name: &str) -> Result<(), String> {
+    let known = [".csv", ".parquet", ".xml"].iter().any(|ending| name.ends_with(ending));
+    if known && !name.contains(['/', '\\']) {
+        return Ok(());
+    }
+    Err("a file name without folder that ends in .csv, .parquet or .xml".to_owned())
 }
 
 /// Whose trajectories are traced.
@@ -90,6 +90,23 @@ pub enum Trace {
     All,
     /// These vehicles'.
     Ids(Vec<String>),
+}
+
+impl Setting for Selector {
+    type Literal = Self;
+    const KIND: Kind = Kind::Form(|text| Self::parse(text).map(drop));
+
+    fn from_literal(literal: Self) -> Self {
+        literal
+    }
+
+    fn from_value(value: &Value) -> Option<Self> {
+        if let Value::Text(text) = value { Self::parse(text).ok() } else { None }
+    }
+
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Text(self.to_string()))
+    }
 }
 
 impl Setting for Trace {
@@ -113,7 +130,7 @@ impl Setting for Trace {
         Some(match self {
             Self::None => "none".into(),
             Self::All => "all".into(),
-            Self::Ids(ids) => ids.join(",").as_str().into(),
+            Self::Ids(ids) => Value::Text(ids.join(",")),
         })
     }
 }

@@ -2,11 +2,6 @@
 
 use std::fmt;
 
-use super::{
-    document::{Entry, Node, Table},
-    error::ScenarioError,
-    section,
-};
 use crate::{
     keys::{Value, Values},
     random::Stream,
@@ -57,55 +52,6 @@ impl Distribution {
                 .find(|x| (min..=max).contains(x))
                 .unwrap_or_else(|| mean.clamp(min, max)),
         }
-    }
-
-    /// Reads the table of a distribution; its values are held to the range of the key.
-    pub(crate) fn read(path: &str, table: &Table, at: &Entry, range: (f64, f64)) -> Result<Self, ScenarioError> {
-        let kind = match table.get("distribution").map(|e| &e.node) {
-            Some(Node::Text(kind)) if kind == "normal" || kind == "uniform" => kind.as_str(),
-            other => {
-                let entry = table.get("distribution").unwrap_or(at);
-                return Err(ScenarioError::WrongValue {
-                    place: entry.place.clone(),
-                    key: format!("{path}.distribution"),
-                    found: other.map_or_else(|| "nothing".to_owned(), Node::shown),
-                    wanted: "\"normal\" (mean, std, min, max) or \"uniform\" (min, max)".to_owned(),
-                });
-            }
-        };
-        let known: &[&str] = if kind == "normal" {
-            &["distribution", "mean", "std", "min", "max"]
-        } else {
-            &["distribution", "min", "max"]
-        };
-        section::known(path, table, known)?;
-        let number = |name: &str, default: Option<f64>, (low, high): (f64, f64)| {
-            let found = table.get(name);
-            let value = match found.map(|e| &e.node) {
-                Some(Node::Number(x)) => Some(*x),
-                Some(Node::Integer(x)) => Some(*x as f64),
-                Some(_) => None,
-                None => default,
-            };
-            value.filter(|x| (low..=high).contains(x)).ok_or_else(|| ScenarioError::WrongValue {
-                place: found.unwrap_or(at).place.clone(),
-                key: format!("{path}.{name}"),
-                found: found.map_or_else(|| "nothing".to_owned(), |e| e.node.shown()),
-                wanted: format!("a number{}", section::range(low, high)),
-            })
-        };
-        if kind == "uniform" {
-            let min = number("min", None, range)?;
-            return Ok(Self::Uniform { min, max: number("max", None, (min, range.1))? });
-        }
-        let min = number("min", Some(range.0), range)?;
-        let max = number("max", Some(range.1), (min, range.1))?;
-        Ok(Self::Normal {
-            mean: number("mean", None, (min, max))?,
-            std: number("std", None, (0.0, f64::MAX))?,
-            min,
-            max,
-        })
     }
 }
 

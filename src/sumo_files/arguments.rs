@@ -54,10 +54,10 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     let mut line = Line { arguments: Vec::new(), given: settings.given.clone() };
     let mut redirect = Redirect::new(&folder);
     let mut outputs = BTreeMap::new();
-    match &setup.source {
+    match setup.source() {
         Source::Running | Source::Offline => {}
         Source::Config(path) => line.push("configuration-file", &path.to_string_lossy()),
-        Source::Network { net, .. } => line.push("net-file", &net.to_string_lossy()),
+        Source::Network(net) => line.push("net-file", &net.to_string_lossy()),
     }
     if let Some(configuration) = &settings.configuration {
         outputs = configured(&mut line, configuration, &mut redirect);

@@ -52,7 +52,7 @@ impl Demand {
     ) -> Result<Self, SumoFileError> {
         let settings = Settings::read(setup)?;
         let mut found = Self::default();
-        if matches!(setup.source, Source::Running | Source::Offline) {
+        if matches!(setup.source(), Source::Running | Source::Offline) {
             return Ok(found);
         }
         found.add_named(&settings)?;

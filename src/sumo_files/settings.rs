@@ -29,13 +29,13 @@ impl Settings {
     /// Reads the configuration, if there is one.
     pub fn read(setup: &SumoSetup) -> Result<Self, SumoFileError> {
         let mut settings = Self { given: given(&setup.options), configuration: None, named: BTreeMap::new() };
-        match &setup.source {
+        match setup.source() {
             Source::Config(path) => settings.configuration = Some(Configuration::read(path)?),
-            Source::Network { net, routes, additional } => {
+            Source::Network(net) => {
                 settings.named = BTreeMap::from([
-                    ("net-file", vec![net.clone()]),
-                    ("route-files", routes.clone()),
-                    ("additional-files", additional.clone()),
+                    ("net-file", vec![net.to_owned()]),
+                    ("route-files", setup.routes.clone()),
+                    ("additional-files", setup.additional.clone()),
                 ]);
             }
             Source::Running | Source::Offline => {}

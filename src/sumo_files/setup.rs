@@ -1,48 +1,74 @@
 //! How SUMO is started, and on which files.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-/// How SUMO is started.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SumoSetup {
-    /// What SUMO loads.
-    pub source: Source,
-    /// SUMO's step \[s\].
-    pub step_length_s: f64,
-    /// Simulation time at which the run ends \[s\]; `None` = as the configuration says.
-    pub end_s: Option<f64>,
-    /// Seed of SUMO and of everything drawn here.
-    pub seed: u64,
-    /// Whether SUMO moves vehicles by the mean of old and new speed.
-    pub ballistic: bool,
-    /// Further options of SUMO, passed on as they are.
-    pub options: Vec<String>,
-    /// Start sumo-gui.
-    pub gui: bool,
-    /// TraCI port; `None` = a free one.
-    pub port: Option<u16>,
-    /// TraCI clients that SUMO waits for, this one included.
-    pub num_clients: u32,
-    /// `HOST:PORT` of a SUMO that already runs.
-    pub connect: Option<String>,
+use crate::keys;
+
+keys! {
+    /// How SUMO is started, the section `[sumo]` of a scenario. All paths are absolute.
+    pub struct SumoSetup {
+        /// SUMO configuration (.sumocfg); or net and routes
+        config: Option<PathBuf>;
+        /// SUMO network (.net.xml), instead of config
+        net: Option<PathBuf>;
+        /// route files of net
+        routes: Vec<PathBuf>;
+        /// additional files of net
+        additional: Vec<PathBuf>;
+        /// SUMO's step, a whole number of control periods and of 1 ms
+        step_length_s: f64 = 0.1, "s", 0.001..=10.0;
+        /// simulation time at which the run ends; not set = the configuration's
+        end_s: Option<f64>, "s", 0.001..=1e9;
+        /// seed of SUMO and of everything drawn here
+        seed: u64 = 23423, "-", 0..=i32::MAX;
+        /// SUMO moves vehicles by the mean of old and new speed, as the body does
+        ballistic: bool = true;
+        /// further options of SUMO
+        options: Vec<String>;
+        /// start sumo-gui instead of sumo
+        gui: bool = false;
+        /// TraCI port; not set = a free one
+        port: Option<u16>, "-", 1..=65535;
+        /// TraCI clients that SUMO waits for, this one included
+        num_clients: u32 = 1, "-", 1..=1000;
+        /// HOST:PORT of a SUMO that already runs
+        connect: Option<String>, form address;
+    }
 }
 
-/// What SUMO loads; all paths absolute.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Source {
+fn address(text: &str) -> Result<(), String> {
+    match text.rsplit_once(':') {
+        Some((host, port)) if !host.is_empty() && port.parse::<u16>().is_ok() => Ok(()),
+        _ => Err("HOST:PORT".to_owned()),
+    }
+}
+
+/// What SUMO loads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source<'a> {
     /// A `.sumocfg`.
-    Config(PathBuf),
+    Config(&'a Path),
     /// A network with its traffic.
-    Network {
-        /// The network.
-        net: PathBuf,
-        /// Route files.
-        routes: Vec<PathBuf>,
-        /// Additional files.
-        additional: Vec<PathBuf>,
-    },
-    /// Whatever the SUMO at `connect` has loaded.
+    Network(&'a Path),
+    /// What the SUMO at `connect` has loaded.
     Running,
     /// Nothing: the vehicles drive without SUMO (`Scenario::load_offline`).
     Offline,
+}
+
+impl SumoSetup {
+    /// What SUMO loads.
+    pub fn source(&self) -> Source<'_> {
+        match (&self.config, &self.net, &self.connect) {
+            (Some(config), _, _) => Source::Config(config),
+            (None, Some(net), _) => Source::Network(net),
+            (None, None, Some(_)) => Source::Running,
+            (None, None, None) => Source::Offline,
+        }
+    }
+
+    /// All files that are named for SUMO to load.
+    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.config.iter().chain(&self.net).chain(&self.routes).chain(&self.additional)
+    }
 }
