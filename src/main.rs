@@ -15,7 +15,7 @@ use miette::{IntoDiagnostic, MietteHandlerOpts};
 use sumo_mfc::{
     compare::{RunFailed, parse_seeds, run_all, terminal_table, write_comparison},
     doctor, paper,
-    run::{self, RunError, RunOptions, terminal_text},
+    run::{self, RunError, RunOptions, SessionOptions, terminal_text},
     scenario::{Catalog, Scenario, ScenarioError, template},
 };
 
@@ -53,11 +53,14 @@ fn run(args: &RunArgs) -> miette::Result<ExitCode> {
         notes(&scenario.notes);
     }
     let options = RunOptions {
-        out_dir: args.out.clone().unwrap_or_else(|| scenario.default_folder()),
-        force: args.force,
+        session: SessionOptions {
+            out_dir: args.out.clone().unwrap_or_else(|| scenario.default_folder()),
+            force: args.force,
+            profile: args.profile,
+            ..SessionOptions::default()
+        },
         threads: args.threads.map(usize::from),
         progress: !args.quiet && std::io::stderr().is_terminal(),
-        profile: args.profile,
     };
     let result = match run::run(&scenario, &options) {
         Err(RunError::Interrupted(signal)) => return Ok(ExitCode::from(signal.exit_code())),
@@ -91,11 +94,13 @@ fn compare(args: &CompareArgs) -> miette::Result<ExitCode> {
     let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-compare", first.name)));
     let compared = run_all(&args.controllers, &seeds, usize::from(args.jobs), |controller, seed| {
         let options = RunOptions {
-            out_dir: folder.join(format!("{controller}-{seed}")),
-            force: args.force,
+            session: SessionOptions {
+                out_dir: folder.join(format!("{controller}-{seed}")),
+                force: args.force,
+                ..SessionOptions::default()
+            },
             threads: (args.jobs > 1).then_some(1),
             progress: args.jobs == 1 && !args.quiet && std::io::stderr().is_terminal(),
-            profile: false,
         };
         run::run(&scenarios[&(controller.to_owned(), seed)], &options)?.whole()
     });

@@ -366,9 +366,9 @@ impl<S: Sumo> World<S> {
     }
 
     /// What is known when SUMO cannot be left in order any more.
-    pub fn into_records(mut self) -> Records {
+    pub fn abandon(&mut self) -> Records {
         self.end_all(Reason::Incomplete);
-        self.records
+        std::mem::take(&mut self.records)
     }
 
     /// The end that SUMO's configuration asks for \[s\]; negative without one.

@@ -65,6 +65,9 @@ pub enum RunError {
     /// A signal ended the run before its end.
     #[error("ended by a signal ({0:?})")]
     Interrupted(Signal),
+    /// The session has ended: an error before has broken it off.
+    #[error("the session has ended")]
+    Ended,
     /// A run that broke off; what was computed is in the folder.
     #[error("the run broke off at {time_s} s; what was computed until then is in {}, marked incomplete", .dir.display())]
     Broken {

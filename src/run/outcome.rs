@@ -6,7 +6,6 @@ use super::summary::{NO_EGOS, Summary, SumoTotals};
 use crate::cosim::{Counters, Finished, Records};
 use crate::scenario::Scenario;
 use crate::sumo_files::{SumoCommand, SumoStatistics, TripInfo, Trips};
-use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Rows and totals of a run.
@@ -52,14 +51,12 @@ impl Outcome {
         let edges = edge_rows(&records.roads);
         let counts = [counters.unequipped, counters.others.values().sum(), counters.refused.len() as u64];
         let names = Names::new(scenario);
-        let mut types: HashMap<String, Arc<str>> = HashMap::new();
         let rows = records
             .finished
             .into_iter()
             .map(|record| {
                 let trip = trips.by_id.get(&*record.id);
-                let kind = types.entry(record.type_id.clone()).or_insert_with_key(|t| Arc::from(t.as_str())).clone();
-                row(record, trip, kind, &names, time_s)
+                row(record, trip, &names, time_s)
             })
             .collect();
         Ok(Self { rows, edges, totals, counts })
@@ -94,13 +91,13 @@ impl Names {
     }
 }
 
-fn row(record: Finished, trip: Option<&TripInfo>, vehicle_type: Arc<str>, names: &Names, end_s: f64) -> VehicleRow {
+fn row(record: Finished, trip: Option<&TripInfo>, names: &Names, end_s: f64) -> VehicleRow {
     let depart = trip.map_or(record.depart_s, |t| t.depart_s);
     let arrival = trip.and_then(|t| t.arrival_s).or(record.arrival_s);
     let [controller, target] = names.0[record.group].clone();
     VehicleRow {
         id: record.id.to_string(),
-        vehicle_type,
+        vehicle_type: record.type_id.into(),
         controller,
         target,
         depart,

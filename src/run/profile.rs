@@ -28,8 +28,12 @@ impl Profiler {
         if self.watch.is_on() {
             world.time_fleet();
             self.waited = world.waited();
-            self.watch.start();
         }
+    }
+
+    /// A step is about to begin.
+    pub fn start(&mut self) {
+        self.watch.start();
     }
 
     /// SUMO and the fleet have made a step.
@@ -39,7 +43,7 @@ impl Profiler {
         self.ego_steps += world.egos().len() as u64;
     }
 
-    /// The step has been written down and shown.
+    /// The step has been written down.
     pub fn written(&mut self) {
         self.watch.lap(OUTPUT);
     }
@@ -68,7 +72,7 @@ pub struct Profile {
     pub wire: Duration,
     /// Control periods of the vehicles.
     pub fleet: FleetTime,
-    /// Trace, sample and progress bar.
+    /// Trace and sample.
     pub output: Duration,
 }
 
@@ -81,7 +85,7 @@ impl Profile {
             ("control", self.fleet.control, "measurement, law, actuators"),
             ("plant", self.fleet.plant, "steering, bodies"),
             ("statistics", self.fleet.statistics, "by control period"),
-            ("output", self.output, "trace, sample, progress"),
+            ("output", self.output, "trace, sample"),
         ]
     }
 

@@ -1,6 +1,6 @@
 //! The progress bar: simulated time, egos, real-time factor. On stderr, and only if that is a terminal.
 
-use crate::cosim::World;
+use super::session::Session;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
@@ -16,10 +16,11 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// A bar from `begin_s` to `end_s`; a spinner without an end.
-    pub fn new(wanted: bool, begin_s: f64, end_s: Option<f64>) -> Self {
+    /// A bar from now to the end of the session; a spinner without an end.
+    pub fn new(wanted: bool, session: &Session) -> Self {
+        let begin_s = session.time_s();
         let bar = wanted.then(|| {
-            let (length, template) = match end_s {
+            let (length, template) = match session.end_s() {
                 Some(end_s) => (Some((end_s - begin_s).max(0.0) as u64), "{wide_bar} {pos}/{len} s, {msg}"),
                 None => (None, "{spinner} {pos} s, {msg}"),
             };
@@ -31,17 +32,19 @@ impl Progress {
     }
 
     /// Shows where the run is, now and then.
-    pub fn show(&self, world: &World) {
+    pub fn show(&self, session: &Session) {
         let Some(bar) = self.bar.as_ref().filter(|_| self.shown.get().elapsed() >= EVERY) else { return };
         self.shown.set(Instant::now());
-        let simulated_s = world.time_s() - self.begin_s;
+        let simulated_s = session.time_s() - self.begin_s;
         let factor = simulated_s / self.started.elapsed().as_secs_f64();
         bar.set_position(simulated_s as u64);
-        bar.set_message(format!("{} egos, {factor:.1} x real time", world.egos().len()));
+        bar.set_message(format!("{} egos, {factor:.1} x real time", session.world().egos().len()));
     }
+}
 
-    /// Takes the bar away.
-    pub fn close(&self) {
+/// Takes the bar away.
+impl Drop for Progress {
+    fn drop(&mut self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

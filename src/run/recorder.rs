@@ -96,7 +96,8 @@ fn target_mps(block: &Block, lane: usize) -> f64 {
     if target_mps.is_finite() { target_mps } else { block.reference_mps(lane) }
 }
 
-fn trace_row(ego: &Ego, block: &Block, time_s: f64) -> TraceRow {
+/// One line of the trace.
+pub(super) fn trace_row(ego: &Ego, block: &Block, time_s: f64) -> TraceRow {
     let lane = ego.slot.lane();
     let state = block.plant().state(lane);
     let [slip_front, slip_rear] = block.slip(lane);

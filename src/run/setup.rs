@@ -1,6 +1,6 @@
 //! From a scenario to what the world is made of: registries are asked, files of profiles and tyres are read.
 
-use super::RunError;
+use super::error::RunError;
 use crate::cosim::{Rules, WorldSetup};
 use crate::fleet::{GroupSetup, LoopConfig};
 use crate::plant::DEAD_TIME_MAX_S;

@@ -1,5 +1,13 @@
 //! Signals that end a run.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::Duration;
+use tokio::signal::unix::{SignalKind, signal};
+
+/// How long a step that is under way may take after a signal; SUMO may be waiting for another client.
+const LAST_STEP: Duration = Duration::from_secs(3);
+
 /// A signal that ended a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Signal {
@@ -16,5 +24,49 @@ impl Signal {
             Self::Interrupt => 130,
             Self::Terminate => 143,
         }
+    }
+}
+
+/// The first signal that comes.
+pub(super) struct Signals(Arc<AtomicU8>);
+
+impl Signals {
+    /// Listens from now on.
+    pub fn watch() -> std::io::Result<Self> {
+        let raised = Arc::new(AtomicU8::new(0));
+        let mut interrupt = signal(SignalKind::interrupt())?;
+        let mut terminate = signal(SignalKind::terminate())?;
+        let note = raised.clone();
+        tokio::spawn(async move {
+            let first = tokio::select! {
+                _ = interrupt.recv() => Signal::Interrupt,
+                _ = terminate.recv() => Signal::Terminate,
+            };
+            note.store(first.exit_code(), Ordering::Relaxed);
+        });
+        Ok(Self(raised))
+    }
+
+    /// The signal that has come.
+    pub fn raised(&self) -> Option<Signal> {
+        let code = self.0.load(Ordering::Relaxed);
+        [Signal::Interrupt, Signal::Terminate].into_iter().find(|signal| signal.exit_code() == code)
+    }
+
+    /// Waits for a signal.
+    pub async fn wait(&self) -> Signal {
+        loop {
+            match self.raised() {
+                Some(signal) => return signal,
+                None => tokio::time::sleep(Duration::from_millis(50)).await,
+            }
+        }
+    }
+
+    /// Waits for a signal, and then for as long as a step may take to end in order.
+    pub async fn overdue(&self) -> Signal {
+        let signal = self.wait().await;
+        tokio::time::sleep(LAST_STEP).await;
+        signal
     }
 }

@@ -1,0 +1,174 @@
+//! The result of a run, written into its folder: when it begins, and when it ends or breaks off.
+
+use super::error::RunError;
+use super::manifest::{Input, Manifest};
+use super::outcome::{self, Outcome};
+use super::profile::Profile;
+use super::recorder::Recorder;
+use super::result_dir::ResultDir;
+use super::rows::VehicleRow;
+use super::signals::Signal;
+use super::summary::Summary;
+use crate::cosim::{Records, World};
+use crate::output::OutputError;
+use crate::scenario::Scenario;
+use crate::sumo_files::{SumoCommand, sumo_arguments};
+use crate::traci::SumoVersion;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A result, also on disk.
+#[derive(Debug)]
+pub struct RunResult {
+    /// Its folder.
+    pub dir: PathBuf,
+    /// One row per ego that departed.
+    pub rows: Vec<VehicleRow>,
+    /// Summary of the fleet.
+    pub summary: Summary,
+    /// Files written, relative to the folder.
+    pub files: Vec<String>,
+    /// What the user should be told.
+    pub notes: Vec<String>,
+    /// Set if a signal ended the run early.
+    pub interrupted: Option<Signal>,
+    /// Where the time of a step went, if that was asked for.
+    pub profile: Option<Profile>,
+}
+
+impl RunResult {
+    /// The summary of a run that reached its end.
+    ///
+    /// # Errors
+    /// [`RunError::Interrupted`] if a signal ended it early.
+    pub fn whole(self) -> Result<Summary, RunError> {
+        match self.interrupted {
+            Some(signal) => Err(RunError::Interrupted(signal)),
+            None => Ok(self.summary),
+        }
+    }
+}
+
+/// Writes a result.
+pub(super) struct ResultWriter {
+    scenario: Scenario,
+    dir: ResultDir,
+    manifest: Manifest,
+    command: SumoCommand,
+    /// None before SUMO was joined, and after the result was written.
+    recorder: Option<Recorder>,
+    notes: Vec<String>,
+    started: Instant,
+}
+
+impl ResultWriter {
+    /// Makes the folder, and notes in it what is run.
+    pub fn create(scenario: &Scenario, out_dir: &Path, force: bool) -> Result<Self, RunError> {
+        let dir = ResultDir::create(out_dir, force)?;
+        dir.sumo()?;
+        let command = sumo_arguments(&scenario.sumo, dir.path())?;
+        let inputs = scenario.inputs.iter().map(|path| Input::of(path)).collect::<Result<_, _>>()?;
+        let mut manifest = Manifest::new(scenario.sumo.seed, scenario.to_toml(), inputs);
+        manifest.notes = scenario.notes.clone();
+        dir.write_manifest(&manifest)?;
+        let (scenario, started) = (scenario.clone(), Instant::now());
+        Ok(Self { scenario, dir, manifest, command, recorder: None, notes: Vec::new(), started })
+    }
+
+    /// What is run.
+    pub fn scenario(&self) -> &Scenario {
+        &self.scenario
+    }
+
+    /// The folder of SUMO's log and outputs.
+    pub fn sumo_folder(&self) -> Result<PathBuf, OutputError> {
+        self.dir.sumo()
+    }
+
+    /// The arguments for SUMO, noted in the manifest with its path.
+    pub fn sumo_command(&mut self, binary: &Path) -> Result<Vec<String>, OutputError> {
+        let words = [binary.display().to_string()].into_iter().chain(self.command.arguments.iter().cloned());
+        self.manifest.sumo_command = words.collect();
+        self.dir.write_manifest(&self.manifest)?;
+        Ok(self.command.arguments.clone())
+    }
+
+    /// SUMO has answered.
+    pub fn joined(&mut self, version: &SumoVersion) {
+        self.manifest.sumo_version = Some(version.text.clone());
+        self.manifest.sumo_api = Some(version.api);
+    }
+
+    /// Opens the files that are written while the run goes on.
+    pub fn open(&mut self, world: &World) -> Result<(), RunError> {
+        self.recorder = Some(Recorder::open(&self.scenario, &self.dir, world)?);
+        Ok(())
+    }
+
+    /// The files that are written while the run goes on; none once the result is written.
+    pub fn recorder(&mut self) -> Option<&mut Recorder> {
+        self.recorder.as_mut()
+    }
+
+    /// Adds something that the user should be told.
+    pub fn note(&mut self, note: String) {
+        self.notes.push(note);
+    }
+
+    /// Nothing was computed: the manifest says why.
+    pub fn give_up(mut self, error: RunError) -> RunError {
+        // The error itself matters more than one in writing it down.
+        let _ = self.dir.finish(&mut self.manifest, Some(error.to_string()));
+        error
+    }
+
+    /// Writes what was computed until `source` happened, and says so.
+    pub fn break_off(&mut self, records: Records, times_s: [f64; 2], source: RunError) -> RunError {
+        // A disk that is full for one file may be full for others; the first error is the one to tell.
+        let _ = self.write(records, times_s, Some(source.to_string()));
+        if let RunError::Interrupted(_) = source {
+            return source;
+        }
+        RunError::Broken { time_s: times_s[1], dir: self.dir.path().to_owned(), source: Box::new(source) }
+    }
+
+    /// Writes tables, summary and manifest of a run from one time to another. If that fails, the manifest says so as
+    /// long as it can be written.
+    pub fn write(
+        &mut self,
+        records: Records,
+        times_s: [f64; 2],
+        incomplete: Option<String>,
+    ) -> Result<RunResult, RunError> {
+        self.write_files(records, times_s, incomplete.clone()).inspect_err(|error| {
+            let _ = self.dir.finish(&mut self.manifest, Some(incomplete.unwrap_or_else(|| error.to_string())));
+        })
+    }
+
+    fn write_files(
+        &mut self,
+        records: Records,
+        [begin_s, time_s]: [f64; 2],
+        incomplete: Option<String>,
+    ) -> Result<RunResult, RunError> {
+        let recorder = self.recorder.take().ok_or(RunError::Ended)?;
+        self.notes.extend(outcome::notes(&records.counters));
+        self.manifest.notes.extend(self.notes.iter().cloned());
+        let own_sumo = self.scenario.sumo.connect.is_none().then_some(&self.command);
+        let mut outcome = Outcome::new(&self.scenario, records, time_s, own_sumo, incomplete.is_some())?;
+        let summary = outcome.summary(time_s - begin_s, self.started.elapsed().as_secs_f64());
+        let tables = recorder.finish(&self.dir, &self.scenario, &mut outcome);
+        self.dir.write_summary(&summary)?;
+        tables?;
+        self.dir.finish(&mut self.manifest, incomplete)?;
+        Ok(RunResult {
+            dir: self.dir.path().to_owned(),
+            rows: outcome.rows,
+            summary,
+            files: self.manifest.files.clone(),
+            notes: self.notes.clone(),
+            interrupted: None,
+            profile: None,
+        })
+    }
+}

@@ -1,0 +1,261 @@
+//! A run, step by step: SUMO is started or joined, stepped, and left; the files of the result are written meanwhile.
+//!
+//! Nothing here waits for signals, prints, or makes threads. The fleet uses the pool of rayon that the caller is in.
+
+use super::error::RunError;
+use super::profile::Profiler;
+use super::recorder::{Recorder, trace_row};
+use super::result::{ResultWriter, RunResult};
+use super::rows::TraceRow;
+use super::setup;
+use super::signals::Signal;
+use crate::cosim::{CosimError, World};
+use crate::scenario::Scenario;
+use crate::stats::VehicleStats;
+use crate::traci::{Client, SumoProcess, find_named};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// How long SUMO may take to load, and to answer one message.
+const PATIENCE: Duration = Duration::from_secs(600);
+/// How long SUMO may take to complete its outputs.
+const LAST_OUTPUTS: Duration = Duration::from_secs(120);
+/// How long to look for a SUMO that is said to run already.
+const REACH: Duration = Duration::from_secs(10);
+/// A configuration without an end runs this long if nobody ever arrives \[s\].
+const ENDLESS_S: f64 = 3600.0;
+
+/// Where a session writes; nothing here changes its result.
+#[derive(Debug, Clone, Default)]
+pub struct SessionOptions {
+    /// Folder of the result.
+    pub out_dir: PathBuf,
+    /// Replace a finished result.
+    pub force: bool,
+    /// SUMO's binary; searched for if it is not given.
+    pub sumo: Option<PathBuf>,
+    /// Measure where the time of a step goes.
+    pub profile: bool,
+}
+
+/// Why a run is over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    /// Its end has come.
+    Time,
+    /// No vehicle is on the road or still to come.
+    Empty,
+    /// There is no end, and nobody has arrived in [`ENDLESS_S`].
+    Endless,
+}
+
+/// A run under way. After an error of [`Session::step`] or [`Session::finish`] the folder holds what was computed until
+/// then, marked incomplete. A session that is dropped without [`Session::finish`] leaves a folder like that of a killed
+/// program: its tables have the suffix `.part`.
+pub struct Session {
+    world: World,
+    /// None if SUMO was not started here.
+    process: Option<SumoProcess>,
+    result: ResultWriter,
+    profiler: Profiler,
+    begin_s: f64,
+    end_s: Option<f64>,
+}
+
+impl Session {
+    /// Starts or joins SUMO, and opens the files of the result. Must be called inside a tokio runtime.
+    ///
+    /// # Errors
+    /// [`RunError`] if the folder holds a finished result, a file cannot be read or made, or SUMO cannot be started.
+    pub async fn open(scenario: &Scenario, options: &SessionOptions) -> Result<Self, RunError> {
+        Self::open_unless(scenario, options, std::future::pending()).await
+    }
+
+    /// The same, but gives up at a signal that comes before SUMO has loaded.
+    pub(super) async fn open_unless(
+        scenario: &Scenario,
+        options: &SessionOptions,
+        stopped: impl Future<Output = Signal>,
+    ) -> Result<Self, RunError> {
+        let mut result = ResultWriter::create(scenario, &options.out_dir, options.force)?;
+        let mut process = None;
+        let reached = reach_sumo(options, &mut result, &mut process, stopped).await;
+        let prepared = match reached {
+            Ok(client) => prepare(client, &mut result).await,
+            Err(error) => Err(error),
+        };
+        match prepared {
+            Ok((world, end_s)) => {
+                let begin_s = world.time_s();
+                let mut session =
+                    Self { world, process, result, profiler: Profiler::new(options.profile), begin_s, end_s };
+                session.profiler.begin(&mut session.world);
+                Ok(session)
+            }
+            Err(error) => Err(result.give_up(explain(error, &mut process).await)),
+        }
+    }
+
+    /// Makes one SUMO step, and writes it down.
+    ///
+    /// # Errors
+    /// [`RunError::Broken`] if SUMO or the disk fails; [`RunError::Ended`] after that.
+    pub async fn step(&mut self) -> Result<(), RunError> {
+        let Some(recorder) = self.result.recorder() else { return Err(RunError::Ended) };
+        match step(&mut self.world, recorder, &mut self.profiler).await {
+            Ok(()) => Ok(()),
+            Err(error) => {
+                let error = explain(error, &mut self.process).await;
+                Err(self.break_off(error))
+            }
+        }
+    }
+
+    /// True once the end of the scenario or of SUMO's configuration has come, or nothing is left to wait for.
+    pub fn is_over(&self) -> bool {
+        self.end().is_some()
+    }
+
+    fn end(&self) -> Option<End> {
+        let (time_s, driven_s) = (self.time_s(), self.time_s() - self.begin_s);
+        if self.end_s.is_some_and(|end_s| time_s > end_s - 0.5 * self.world.step_s()) {
+            return Some(End::Time);
+        }
+        // SUMO counts vehicles that are on the road or still to come; with none left there is nothing to wait for.
+        if self.world.expected() == 0 && (self.end_s.is_none() || driven_s > 0.0) {
+            return Some(End::Empty);
+        }
+        let endless = self.end_s.is_none() && self.world.records().counters.arrived == 0 && driven_s >= ENDLESS_S;
+        endless.then_some(End::Endless)
+    }
+
+    /// Hands all vehicles back, leaves SUMO, and writes the result. Before the end of the run it is marked incomplete.
+    ///
+    /// # Errors
+    /// [`RunError::Broken`] if SUMO or the disk fails; [`RunError::Ended`] if that has happened before.
+    pub async fn finish(self) -> Result<RunResult, RunError> {
+        match self.end() {
+            Some(_) => self.close(None).await,
+            None => {
+                let reason = format!("stopped at {} s, before its end", self.time_s());
+                self.close(Some(reason)).await
+            }
+        }
+    }
+
+    /// As [`Session::finish`], with the reason if the result is incomplete.
+    pub(super) async fn close(mut self, incomplete: Option<String>) -> Result<RunResult, RunError> {
+        if self.result.recorder().is_none() {
+            return Err(RunError::Ended);
+        }
+        if incomplete.is_none() && self.end() == Some(End::Endless) {
+            self.result.note(format!(
+                "the configuration has no end and no vehicle has arrived in {ENDLESS_S} s: stopped here; --end sets another end"
+            ));
+        }
+        let profile = self.profiler.profile(&self.world);
+        if let Err(error) = self.world.hand_back().await {
+            let error = explain(error.into(), &mut self.process).await;
+            return Err(self.break_off(error));
+        }
+        let Self { world, process, mut result, begin_s, .. } = self;
+        let time_s = world.time_s();
+        let (records, left) = world.close().await;
+        let ended = match process {
+            Some(process) => process.shut_down(LAST_OUTPUTS).await.map(drop),
+            None => Ok(()),
+        };
+        match left.map_err(RunError::from).and(ended.map_err(RunError::from)) {
+            Ok(()) => Ok(RunResult { profile, ..result.write(records, [begin_s, time_s], incomplete)? }),
+            Err(source) => Err(result.break_off(records, [begin_s, time_s], source)),
+        }
+    }
+
+    /// Leaves SUMO as it is, and writes what was computed until `error` happened.
+    pub(super) fn break_off(&mut self, error: RunError) -> RunError {
+        self.process = None;
+        let times_s = [self.begin_s, self.world.time_s()];
+        self.result.break_off(self.world.abandon(), times_s, error)
+    }
+
+    /// Simulation time at the end of the last step \[s\].
+    pub fn time_s(&self) -> f64 {
+        self.world.time_s()
+    }
+
+    /// When the run ends \[s\]; `None` if only the traffic decides.
+    pub fn end_s(&self) -> Option<f64> {
+        self.end_s
+    }
+
+    /// The egos on the road at the end of the last step: id, target, reference, speed, torque, distance, ...
+    pub fn egos(&self) -> impl Iterator<Item = TraceRow> {
+        self.world.driving().map(|(ego, block)| trace_row(ego, block, self.world.time_s()))
+    }
+
+    /// The statistics of an ego on the road so far.
+    pub fn statistics(&self, id: &str) -> Option<VehicleStats> {
+        self.world.driving().find(|(ego, _)| **ego.id() == *id).map(|(ego, block)| block.stats(ego.slot.lane()))
+    }
+
+    /// Fleet and SUMO behind the session.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+}
+
+/// One SUMO step, written down.
+async fn step(world: &mut World, recorder: &mut Recorder, profiler: &mut Profiler) -> Result<(), RunError> {
+    profiler.start();
+    world.step().await?;
+    profiler.stepped(world);
+    recorder.step(world)?;
+    profiler.written();
+    Ok(())
+}
+
+/// Starts SUMO, or joins one that runs.
+async fn reach_sumo(
+    options: &SessionOptions,
+    result: &mut ResultWriter,
+    process: &mut Option<SumoProcess>,
+    stopped: impl Future<Output = Signal>,
+) -> Result<Client, RunError> {
+    let sumo = result.scenario().sumo.clone();
+    if let Some(address) = sumo.connect {
+        let mut client = Client::join(address, REACH, PATIENCE).await?;
+        client.set_order(1).await?;
+        return Ok(client);
+    }
+    let binary = find_named(options.sumo.as_deref(), if sumo.gui { "sumo-gui" } else { "sumo" })?;
+    let arguments = result.sumo_command(&binary.path)?;
+    let process = process.insert(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.sumo_folder()?)?);
+    let mut client = tokio::select! {
+        client = process.connect(PATIENCE) => client?,
+        signal = stopped => return Err(RunError::Interrupted(signal)),
+    };
+    if sumo.num_clients > 1 {
+        client.set_order(1).await?;
+    }
+    Ok(client)
+}
+
+/// Joins SUMO with the fleet, asks for the end, and opens the files.
+async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Option<f64>), RunError> {
+    result.joined(client.version());
+    let mut world = World::join(client, setup::world(result.scenario())?).await?;
+    let end_s = match result.scenario().sumo.end_s {
+        Some(end_s) => Some(end_s),
+        None => Some(world.end_s().await?).filter(|end_s| *end_s >= 0.0),
+    };
+    result.open(&world)?;
+    Ok((world, end_s))
+}
+
+/// More of an error of the connection: what SUMO said last, if it is ours and has ended.
+async fn explain(error: RunError, process: &mut Option<SumoProcess>) -> RunError {
+    match (error, process) {
+        (RunError::Cosim(CosimError::Traci(error)), Some(process)) => process.explain(error).await.into(),
+        (error, _) => error,
+    }
+}
