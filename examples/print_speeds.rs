@@ -4,7 +4,7 @@
 
 use std::time::Duration;
 
-use sumo_mfc::traci::{Batch, Domain, SumoProcess, find_sumo, simulation, vehicle};
+use sumo_mfc::traci::{Batch, Subscribed, SumoProcess, find_sumo, simulation, vehicle};
 
 #[tokio::main(flavor = "current_thread")]
 async fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -15,9 +15,9 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} from {}", client.version(), sumo.origin);
 
     let mut batch = Batch::new();
-    let events = [simulation::TIME.id, simulation::DEPARTED.id, simulation::EXPECTED.id];
+    let events = (simulation::TIME, simulation::EXPECTED, simulation::DEPARTED);
     let begin_s = client.get(simulation::TIME, "").await?;
-    batch.subscribe(Domain::Simulation, "", &events, begin_s)?;
+    batch.subscribe(events, "", begin_s)?;
     batch.step()?;
     for _ in 0..100 {
         let reply = match client.exchange(&batch).await {
@@ -25,16 +25,15 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
             Err(error) => return Err(process.explain(error).await.into()),
         };
         batch.clear();
-        let (mut time_s, mut expected) = (0.0, 0);
+        let (mut time_s, mut expected) = (0.0, 1);
         for block in reply.blocks() {
             let block = block?;
-            if block.domain == Some(Domain::Simulation) {
-                time_s = block.get(simulation::TIME)?.unwrap_or(time_s);
-                expected = block.get(simulation::EXPECTED)?.unwrap_or(0);
-                for id in block.get(simulation::DEPARTED)?.unwrap_or_default() {
-                    batch.subscribe(Domain::Vehicle, &id, &[vehicle::SPEED.id], time_s)?;
+            if let Subscribed::Own((Some(now_s), Some(left), departed)) = block.read(events)? {
+                (time_s, expected) = (now_s, left);
+                for id in departed.unwrap_or_default() {
+                    batch.subscribe(vehicle::SPEED, &id, time_s)?;
                 }
-            } else if let Some([Some(speed_mps)]) = block.doubles([vehicle::SPEED.id])? {
+            } else if let Subscribed::Own(Some(speed_mps)) = block.read(vehicle::SPEED)? {
                 println!("{time_s:8.2} s  {:<16} {speed_mps:6.2} m/s", block.id);
             }
         }

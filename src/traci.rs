@@ -32,11 +32,13 @@
 //! a step in the *same* message with the state before it.
 //! ```no_run
 //! # use std::collections::HashMap;
-//! # use sumo_mfc::traci::{Batch, Client, Domain, Error, Prefix, simulation, vehicle};
+//! # use sumo_mfc::traci::{Batch, Client, Error, Prefix, Subscribed, simulation, vehicle};
 //! # async fn example(client: &mut Client) -> Result<(), Error> {
-//! let now_s = client.get(simulation::TIME, "").await?;
+//! let events = (simulation::TIME, simulation::DEPARTED, simulation::ARRIVED);
+//! let motion = (vehicle::SPEED, vehicle::ANGLE);
+//! let mut now_s = client.get(simulation::TIME, "").await?;
 //! let mut batch = Batch::new();
-//! batch.subscribe(Domain::Simulation, "", &[simulation::TIME.id, simulation::DEPARTED.id, simulation::ARRIVED.id], now_s)?;
+//! batch.subscribe(events, "", now_s)?;
 //! batch.step()?;
 //! let mut fleet: HashMap<String, (Prefix, f64)> = HashMap::new();
 //! loop {
@@ -44,18 +46,18 @@
 //!     batch.clear();
 //!     for block in reply.blocks() {
 //!         let block = block?;
-//!         if block.domain == Some(Domain::Simulation) {
-//!             let now_s = block.get(simulation::TIME)?.unwrap_or(now_s);
-//!             for id in block.get(simulation::DEPARTED)?.unwrap_or_default() {
-//!                 batch.subscribe(Domain::Vehicle, &id, &[vehicle::SPEED.id, vehicle::ANGLE.id], now_s)?;
+//!         if let Subscribed::Own((Some(time_s), departed, arrived)) = block.read(events)? {
+//!             now_s = time_s;
+//!             for id in departed.unwrap_or_default() {
+//!                 batch.subscribe(motion, &id, now_s)?;
 //!                 fleet.insert(id.clone(), (Prefix::new(&id)?, 0.0));
 //!             }
-//!             for id in block.get(simulation::ARRIVED)?.unwrap_or_default() {
+//!             for id in arrived.unwrap_or_default() {
 //!                 fleet.remove(&id);
 //!             }
 //!         } else if let Some((prefix, speed_mps)) = fleet.get_mut(block.id) {
-//!             // `None` inside: no value, teleporting; `None` outside: gone.
-//!             if let Some([Some(wanted_mps), _angle]) = block.doubles([vehicle::SPEED.id, vehicle::ANGLE.id])? {
+//!             // `None` inside: no value now, as while teleporting.
+//!             if let Subscribed::Own((Some(wanted_mps), _angle_deg)) = block.read(motion)? {
 //!                 *speed_mps = 0.9 * wanted_mps;
 //!                 batch.set_previous_speed(prefix, *speed_mps, 0.0)?;
 //!             }
@@ -73,27 +75,37 @@
 //! words. "No value" (not departed, teleporting) is [`Value::Missing`], [`Error::NoValue`] or `None`, never a number.
 //!
 //! The codec ([`wire`], [`Batch`], [`Index`], [`Reply`]) works without sockets: give [`Index::read`] a frame and the batch
-//! that it answers. Only [`client`] and [`process`] know tokio; its runtime needs I/O and time enabled.
+//! that it answers. Only [`Client`] and [`SumoProcess`] use tokio; its runtime needs I/O and time enabled.
 
 // Units in brackets, [m], are not links.
 #![allow(rustdoc::broken_intra_doc_links)]
 
-pub mod batch;
-pub mod client;
-pub mod compound;
-pub mod error;
-pub mod process;
-pub mod reply;
-pub mod typed;
-pub mod value;
-pub mod variables;
+mod batch;
+mod client;
+mod compound;
+mod error;
+mod find;
+mod process;
+mod reply;
+mod subscription;
+mod typed;
+mod value;
+mod variables;
+mod version;
 pub mod wire;
 
-pub use batch::{Batch, BatchError, Handle, MAX_ID_BYTES, Prefix};
-pub use client::{Client, SumoVersion, Ticket};
-pub use error::Error;
-pub use process::{SumoBinary, SumoProcess, find_named, find_sumo};
-pub use reply::{Block, Index, Refusal, Reply};
-pub use typed::{Domain, FromValue, Never, Shape, Var};
-pub use value::{Color, Value};
-pub use variables::{edge, junction, lane, route, simulation, trafficlight, vehicle, vehicletype};
+pub use batch::{Batch, Handle, Prefix};
+pub use client::{Client, Ticket};
+pub use compound::{
+    AddVehicle, BestLane, Collision, ControlledLinks, JunctionFoe, Leader, Link, Logic, Neighbour, NewVehicle,
+    NextStop, NextTrafficLight, Phase, Stage, StopData,
+};
+pub use error::{BatchError, Error, MAX_ID_BYTES};
+pub use find::{SUMO_BINARY_VARIABLE, SumoBinary, find_named, find_sumo};
+pub use process::SumoProcess;
+pub use reply::{Blocks, Index, Refusal, Reply};
+pub use subscription::{Block, Entries, Subscribed, Values, Variables};
+pub use typed::{Distance, Domain, FromValue, Never, Nothing, OnRoad, RoadPosition, Shape, Var};
+pub use value::{Color, Compound, Doubles, Layout, Polygon, Texts, Value};
+pub use variables::{Row, TABLE, edge, junction, lane, route, simulation, trafficlight, vehicle, vehicletype};
+pub use version::SumoVersion;

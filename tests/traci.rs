@@ -3,12 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use sumo_mfc::traci::compound::NewVehicle;
-use sumo_mfc::traci::typed::{Distance, OnRoad, RoadPosition};
-use sumo_mfc::traci::variables::{Row, TABLE};
 use sumo_mfc::traci::{
-    Batch, BatchError, Client, Color, Domain, Error, MAX_ID_BYTES, Prefix, SumoBinary, SumoProcess, Var, edge,
-    find_sumo, junction, lane, route, simulation, trafficlight, vehicle, vehicletype,
+    Batch, BatchError, Client, Color, Distance, Domain, Error, MAX_ID_BYTES, Never, NewVehicle, OnRoad, Prefix,
+    RoadPosition, Row, Subscribed, SumoBinary, SumoProcess, TABLE, Var, edge, find_sumo, junction, lane, route,
+    simulation, trafficlight, vehicle, vehicletype,
 };
 
 const NEW: &str = "1.28.0";
@@ -79,8 +77,7 @@ const FARTHER: RoadPosition<'static> = RoadPosition { edge: "A2B2", position_m: 
 fn push_get(batch: &mut Batch, row: &Row) -> usize {
     macro_rules! get {
         ($shape:ty, $argument:expr) => {{
-            let variable =
-                sumo_mfc::traci::Var::<Option<String>, sumo_mfc::traci::Never, $shape>::new(row.domain, row.id);
+            let variable = Var::<Option<String>, Never, $shape>::new(row.domain, row.id);
             batch.get_with(variable, object(row), $argument).unwrap().index()
         }};
     }
@@ -378,7 +375,7 @@ async fn drive(version: &str) {
     let (mut batch, mut gets) = (Batch::new(), Batch::new());
     let begin_s = client.get(simulation::TIME, "").await.unwrap();
     let events = [0x66, 0x74, 0x7a, 0x76, 0x78, 0x81, 0x7d];
-    assert_eq!(batch.subscribe(Domain::Simulation, "", &events, begin_s).unwrap().len(), 1);
+    assert_eq!(batch.subscribe_ids(Domain::Simulation, "", &events, begin_s).unwrap().len(), 1);
     batch.step().unwrap();
     let mut egos: Vec<(String, Prefix, f64)> = Vec::new();
     let (mut seen, mut arrived_ids, mut slowest) = (0, Vec::new(), f64::INFINITY);
@@ -401,7 +398,7 @@ async fn drive(version: &str) {
                     arrived = block.get(simulation::ARRIVED).unwrap().unwrap();
                     assert_eq!(block.values().count(), events.len());
                 }
-                _ => speeds.push((block.id.to_owned(), block.doubles([0x40, 0x43]).unwrap().unwrap())),
+                _ => speeds.push((block.id.to_owned(), block.read((vehicle::SPEED, vehicle::ANGLE)).unwrap())),
             }
         }
         let values = client.receive(got).await.unwrap();
@@ -413,16 +410,17 @@ async fn drive(version: &str) {
         batch.clear();
         egos.retain(|(id, _, _)| !arrived.contains(id));
         assert_eq!(speeds.len(), egos.len());
-        for ((id, prefix, speed_mps), (block_id, [read_mps, angle])) in egos.iter_mut().zip(speeds) {
+        for ((id, prefix, speed_mps), (block_id, read)) in egos.iter_mut().zip(speeds) {
+            let Subscribed::Own((Some(read_mps), Some(angle_deg))) = read else { panic!("{id}: {read:?}") };
             assert_eq!(*id, block_id, "blocks come in the order of subscribing");
             // A sluggish car: it drives at nine tenths of what SUMO wants.
-            *speed_mps = 0.9 * read_mps.unwrap();
+            *speed_mps = 0.9 * read_mps;
             slowest = slowest.min(*speed_mps);
-            assert!((0.0..=360.0).contains(&angle.unwrap()));
+            assert!((0.0..=360.0).contains(&angle_deg));
             batch.set_previous_speed(prefix, *speed_mps, 0.0).unwrap();
         }
         for id in departed.iter().filter(|id| !arrived.contains(id)) {
-            batch.subscribe(Domain::Vehicle, id, &[0x40, 0x43], time_s).unwrap();
+            batch.subscribe((vehicle::SPEED, vehicle::ANGLE), id, time_s).unwrap();
             egos.push((id.clone(), Prefix::new(id).unwrap(), 0.0));
             seen += 1;
         }
@@ -493,7 +491,7 @@ async fn hardships(version: &str) {
     let long = "x".repeat(MAX_ID_BYTES);
     for (id, variables) in [("nobody", &many[..]), (&long, &many[..]), ("v0", &unsupported[..])] {
         let mut batch = Batch::new();
-        let commands = batch.subscribe(Domain::Vehicle, id, variables, 5.0).unwrap();
+        let commands = batch.subscribe_ids(Domain::Vehicle, id, variables, 5.0).unwrap();
         assert!(commands.len() > 1);
         let reply = match client.exchange(&batch).await {
             Ok(reply) => reply,
@@ -513,7 +511,7 @@ async fn hardships(version: &str) {
         let unknown: Var<f64, f64> = Var::new(domain, 0xfe);
         batch.get(unknown, &long).unwrap();
         batch.set(unknown, &long, 1.0).unwrap();
-        batch.subscribe(domain, &long, &[0xfc, 0xfd, 0xfe], 5.0).unwrap();
+        batch.subscribe_ids(domain, &long, &[0xfc, 0xfd, 0xfe], 5.0).unwrap();
         let reply = client.exchange(&batch).await.unwrap();
         assert!(reply.refusal(0).is_some() && reply.refusal(1).is_some(), "{domain:?}");
     }
@@ -528,11 +526,13 @@ async fn hardships(version: &str) {
     let wrong: Var<f64> = Var::new(Domain::Vehicle, vehicle::ROAD.id);
     assert!(matches!(client.get(wrong, "v0").await, Err(Error::Type { got: "string", .. })));
 
-    let naive = client.subscribe(Domain::Vehicle, "v0", &[0x40, vehicle::LEADER.id], 5.0).await;
-    assert!(matches!(naive, Err(Error::Batch(BatchError::NeedsParameter { id: 0x68 }))));
+    let naive = Batch::new().subscribe_ids(Domain::Vehicle, "v0", &[0x40, vehicle::LEADER.id], 5.0);
+    assert!(matches!(naive, Err(BatchError::NeedsParameter { id: 0x68 })));
 
     // Many variables, several commands, one block; and one with a parameter.
-    let (commands, reply) = client.subscribe(Domain::Vehicle, "v0", &many, 5.0).await.unwrap();
+    let mut batch = Batch::new();
+    let commands = batch.subscribe_ids(Domain::Vehicle, "v0", &many, 5.0).unwrap();
+    let reply = client.exchange(&batch).await.unwrap();
     let block = reply.subscription(commands.end - 1).unwrap().unwrap();
     assert_eq!(block.id, "v0");
     let mut batch = Batch::new();
@@ -545,15 +545,16 @@ async fn hardships(version: &str) {
     assert_eq!(block.get(vehicle::FOLLOWER).unwrap().unwrap().unwrap().id, "v1");
     assert!(block.get(vehicle::SPEED).unwrap().unwrap() > 0.0);
     assert!(block.get(vehicle::LANE_INDEX).unwrap().is_some() && block.get(vehicle::TAU).unwrap().is_none());
-    assert!(block.doubles([0x40]).is_err());
+    assert!(matches!(block.read((vehicle::SPEED, vehicle::LANE_INDEX)).unwrap(), Subscribed::Own((Some(_), Some(_)))));
+    assert_eq!(block.read((vehicle::SPEED, vehicle::TAU)).unwrap(), Subscribed::Foreign);
     client.unsubscribe(Domain::Vehicle, "v0").await.unwrap();
     assert_eq!(client.step().await.unwrap().block_count(), 0);
 
     // Removed by command: never listed as arrived, shows as a block that says so.
-    client.subscribe(Domain::Vehicle, "v0", &[0x40], 6.0).await.unwrap();
+    client.subscribe(vehicle::SPEED, "v0", 6.0).await.unwrap();
     client.set(vehicle::REMOVE, "v0", 2).await.unwrap();
     let reply = client.step().await.unwrap();
-    assert_eq!(reply.blocks().next().unwrap().unwrap().doubles([0x40]).unwrap(), None);
+    assert_eq!(reply.blocks().next().unwrap().unwrap().read(vehicle::SPEED).unwrap(), Subscribed::Removed);
     end(world).await;
 }
 
@@ -669,7 +670,7 @@ async fn two_clients_take_turns_and_see_each_others_blocks() {
         client
     };
     let (mut first, mut second) = tokio::join!(first, second);
-    first.subscribe(Domain::Simulation, "", &[0x66], 0.0).await.unwrap();
+    first.subscribe(simulation::TIME, "", 0.0).await.unwrap();
     let (one, two) = tokio::join!(first.step(), second.step());
     assert_eq!((one.unwrap().block_count(), two.unwrap().block_count()), (1, 1));
     first.close().await.unwrap();

@@ -9,9 +9,12 @@ use std::time::Duration;
 use proptest::prelude::*;
 use sumo_mfc::traci::wire::{DecodeError, frame_length};
 use sumo_mfc::traci::{
-    Batch, BatchError, Domain, Index, MAX_ID_BYTES, Prefix, SumoProcess, Value, find_sumo, junction, lane, simulation,
-    trafficlight, vehicle, vehicletype,
+    Batch, BatchError, Domain, Error, Index, MAX_ID_BYTES, Prefix, Subscribed, SumoProcess, Value, Var, find_sumo,
+    junction, lane, simulation, trafficlight, vehicle, vehicletype,
 };
+
+/// What a co-simulation subscribes to.
+const MOTION: (Var<f64, f64>, Var<f64>) = (vehicle::SPEED, vehicle::ANGLE);
 
 const VERSIONS: [&str; 2] = ["1.28.0", "1.15.0"];
 
@@ -26,12 +29,12 @@ fn events() -> Batch {
     batch.set_previous_speed(&v0, 6.5, 0.25).unwrap();
     batch.get(vehicle::SPEED, "v0").unwrap();
     batch.get(vehicle::SPEED, "nobody").unwrap();
-    batch.subscribe(Domain::Simulation, "", &[0x66, 0x74, 0x7a, 0x76, 0x78, 0x81, 0x7d], 20.0).unwrap();
-    batch.subscribe(Domain::Vehicle, "v0", &[0x40, 0x43], 20.0).unwrap();
-    batch.subscribe(Domain::Vehicle, "v1", &[0x50, 0x42, 0x70], 20.0).unwrap();
-    batch.subscribe(Domain::Vehicle, "nobody", &[0x40], 20.0).unwrap();
+    batch.subscribe_ids(Domain::Simulation, "", &[0x66, 0x74, 0x7a, 0x76, 0x78, 0x81, 0x7d], 20.0).unwrap();
+    batch.subscribe(MOTION, "v0", 20.0).unwrap();
+    batch.subscribe((vehicle::ROAD, vehicle::POSITION, vehicle::NEXT_LIGHTS), "v1", 20.0).unwrap();
+    batch.subscribe(vehicle::SPEED, "nobody", 20.0).unwrap();
     batch.subscribe_with(vehicle::FOLLOWER, "v0", 100.0, 20.0).unwrap();
-    batch.subscribe(Domain::Vehicle, "late", &[0x40, 0x43], 20.0).unwrap();
+    batch.subscribe(MOTION, "late", 20.0).unwrap();
     batch.step().unwrap();
     batch
 }
@@ -73,7 +76,7 @@ fn walk(frame: &[u8], batch: &Batch) -> Result<usize, DecodeError> {
     }
     for block in reply.blocks() {
         let block = block?;
-        let _ = (block.doubles([0x40, 0x43]), block.get(vehicle::SPEED));
+        let _ = (block.read(MOTION), block.get(vehicle::SPEED));
         for entry in block.values() {
             count += usize::from(entry?.1.is_ok());
         }
@@ -143,9 +146,20 @@ fn recorded_events_say_what_happened() {
         let blocks: Vec<_> = reply.blocks().map(Result::unwrap).collect();
         assert_eq!(blocks.iter().map(|block| block.id).collect::<Vec<_>>(), ["", "v0", "v1", "late"]);
         assert_eq!(blocks[0].get(simulation::TIME).unwrap(), Some(20.5));
-        let late = blocks[3].doubles([0x40, 0x43]).unwrap();
-        assert_eq!(late, Some([None, None]), "not departed: no value, not a number");
-        assert!(blocks[1].doubles([0x40, 0x43]).is_err(), "a third variable was appended");
+        let late = blocks[3].read(MOTION).unwrap();
+        assert_eq!(late, Subscribed::Own((None, None)), "not departed: no value, not a number");
+        assert_eq!(blocks[1].values().count(), 3, "a third variable was appended");
+        let Subscribed::Own((Some(speed_mps), Some(angle_deg))) = blocks[1].read(MOTION).unwrap() else {
+            panic!("{version}: v0 is there")
+        };
+        assert!((0.0..13.89).contains(&speed_mps) && (0.0..=360.0).contains(&angle_deg));
+        let backwards = (vehicle::ANGLE, vehicle::SPEED);
+        let swapped = Subscribed::Own((Some(angle_deg), Some(speed_mps)));
+        assert_eq!(blocks[1].read(backwards).unwrap(), swapped, "found by variable, not by place");
+        assert_eq!(blocks[1].read(&[vehicle::SPEED, vehicle::TAU][..]).unwrap(), Subscribed::Foreign);
+        assert_eq!(blocks[1].read(simulation::SCALE).unwrap(), Subscribed::Foreign, "another domain");
+        let other_type: Var<String> = Var::new(Domain::Vehicle, vehicle::SPEED.id);
+        assert!(matches!(blocks[1].read(other_type), Err(Error::Type { got: "double", .. })));
         assert!(blocks[2].get(vehicle::NEXT_LIGHTS).unwrap().is_some_and(|lights| !lights.is_empty()));
     }
 }
@@ -212,7 +226,7 @@ proptest! {
     fn noise_inside_a_value_never_panics(variable in any::<u8>(), noise in proptest::collection::vec(any::<u8>(), 0..120)) {
         for domain in Domain::ALL {
             let mut batch = Batch::new();
-            batch.get(sumo_mfc::traci::Var::<f64>::new(domain, variable), "").unwrap();
+            batch.get(Var::<f64>::new(domain, variable), "").unwrap();
             let get = batch.bytes()[5];
             let mut frame = vec![0, 0, 0, 0, 7, get, 0, 0, 0, 0, 0];
             frame.extend([u8::try_from(noise.len() + 7).unwrap(), get + 0x10, variable, 0, 0, 0, 0]);
@@ -277,10 +291,7 @@ fn commands_have_the_documented_bytes() {
     check(&|b| drop(b.get(vehicle::SPEED, "v0")), &[&[0x09, 0xa4, 0x40], &id]);
     check(&|b| drop(b.get_by_prefix(vehicle::SPEED, &v0)), &[&[0x09, 0xa4, 0x40], &id]);
     check(&|b| drop(b.step()), &[&[0x0a, 0x02, 0, 0, 0, 0, 0, 0, 0, 0]]);
-    check(
-        &|b| drop(b.subscribe(Domain::Vehicle, "v0", &[0x40, 0x43], 3.0)),
-        &[&[27, 0xd4], &three, &none, &id, &[2, 0x40, 0x43]],
-    );
+    check(&|b| drop(b.subscribe(MOTION, "v0", 3.0)), &[&[27, 0xd4], &three, &none, &id, &[2, 0x40, 0x43]]);
     check(&|b| drop(b.unsubscribe(Domain::Vehicle, "v0")), &[&[25, 0xd4], &none, &none, &id, &[0]]);
 }
 
@@ -295,14 +306,16 @@ fn a_batch_refuses_what_would_harm_sumo() {
     assert!(batch.set_previous_speed(&v0, 1.0, f64::NAN).is_err());
     assert!(batch.set(vehicle::SPEED, "v0", f64::NAN).is_err());
     assert!(batch.step_until(f64::NAN).is_err());
-    assert!(batch.subscribe(Domain::Vehicle, "v0", &[0x40], f64::INFINITY).is_err());
+    assert!(batch.subscribe(vehicle::SPEED, "v0", f64::INFINITY).is_err());
     let long = "ä".repeat(MAX_ID_BYTES / 2 + 1);
     assert!(matches!(Prefix::new(&long), Err(BatchError::IdTooLong { length, .. }) if length == MAX_ID_BYTES + 2));
     assert!(batch.get(vehicle::SPEED, &long).is_err());
     for variable in [0x73, 0x68, 0x7e, 0x3e] {
-        let naive = batch.subscribe(Domain::Vehicle, "v0", &[0x40, variable], 0.0);
+        let naive = batch.subscribe_ids(Domain::Vehicle, "v0", &[0x40, variable], 0.0);
         assert!(matches!(naive, Err(BatchError::NeedsParameter { id, .. }) if id == variable));
     }
+    let mixed = batch.subscribe((vehicle::SPEED, simulation::TIME), "v0", 0.0);
+    assert_eq!(mixed, Err(BatchError::SeveralDomains));
     assert_eq!((batch.bytes(), batch.len()), (&[0, 0, 0, 4][..], 0), "nothing of a refused command remains");
     assert_eq!(batch.set_speed(&v0, -0.0), Ok(0));
     assert_eq!(batch.bytes()[batch.bytes().len() - 8..], [0; 8]);
@@ -312,7 +325,7 @@ fn a_batch_refuses_what_would_harm_sumo() {
     assert_eq!(batch.step(), Err(BatchError::AfterStep));
     assert_eq!(batch.set_speed(&v0, 1.0), Err(BatchError::AfterStep));
     assert!(batch.get(vehicle::SPEED, "v0").is_err());
-    assert!(batch.subscribe(Domain::Vehicle, "v0", &[0x40], 0.0).is_err());
+    assert!(batch.subscribe(vehicle::SPEED, "v0", 0.0).is_err());
     assert_eq!(batch.bytes().len(), length);
     batch.clear();
     batch.execute_move().unwrap();
@@ -323,7 +336,7 @@ fn a_batch_refuses_what_would_harm_sumo() {
 fn vehicles_are_never_subscribed_with_texts_that_overflow() {
     for (length, per_command) in [(2, 3), (30, 3), (60, 2), (180, 1)] {
         let mut batch = Batch::new();
-        let commands = batch.subscribe(Domain::Vehicle, &"x".repeat(length), &[0x40; 12], 0.0).unwrap();
+        let commands = batch.subscribe(&[vehicle::SPEED; 12][..], &"x".repeat(length), 0.0).unwrap();
         assert_eq!(commands.len(), 12 / per_command, "{length}");
     }
 }

@@ -66,7 +66,7 @@ impl Sumo for TraciLink {
         let time_s = self.client.get(simulation::TIME, "").await?;
         self.time_s = time_s;
         let mut batch = Batch::new();
-        batch.subscribe(Domain::Simulation, "", &EVENTS, time_s)?;
+        batch.subscribe_ids(Domain::Simulation, "", &EVENTS, time_s)?;
         let present = batch.get(vehicle::IDS, "")?;
         let expected = batch.get(simulation::EXPECTED, "")?;
         let reply = self.client.exchange(&batch).await?;
@@ -98,7 +98,7 @@ impl Sumo for TraciLink {
         if let Some(subscriptions) = &mut self.subscriptions {
             let mut variables = Variables::default();
             question.answer(&mut variables);
-            self.told.subscribe(Domain::Vehicle, &vehicle.id, &variables.0, self.time_s)?;
+            self.told.subscribe_ids(Domain::Vehicle, &vehicle.id, &variables.0, self.time_s)?;
             subscriptions.add(vehicle, variables.0.first().copied().unwrap_or_default());
         }
         Ok(())

@@ -6,13 +6,11 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::typed::{Domain, FromValue, Shape, Var};
-use super::variables::TABLE;
-use super::wire::{NO_VALUE, close_command, put_count, put_f64, put_i32, put_text, tag};
-
-/// Longest object id in bytes. SUMO repeats ids in error texts, and ends itself if a text does not fit a status of 255
-/// bytes; the longest text around an id has about 60 bytes (a subscription to an unknown traffic light).
-pub const MAX_ID_BYTES: usize = 180;
+use super::error::{BatchError, MAX_ID_BYTES};
+use super::subscription::Variables;
+use super::typed::{Domain, FromValue, Shape, Var, finite};
+use super::variables::{TABLE, vehicle};
+use super::wire::{NO_VALUE, close_command, put_f64, put_i32, put_text, tag};
 
 /// Longest get with its parameter, whose text SUMO repeats too.
 const MAX_GET_BYTES: usize = 200;
@@ -21,46 +19,6 @@ const MAX_GET_BYTES: usize = 200;
 const ERROR_TEXT_BYTES: usize = 220;
 const ERROR_PER_VARIABLE_BYTES: usize = 40;
 const ERROR_UNSUPPORTED_BYTES: usize = 70;
-
-/// A command that must not be sent.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BatchError {
-    /// SUMO would act on it before the step.
-    #[error("the batch already ends with a step; a command behind it would act before it: send it in the next batch")]
-    AfterStep,
-    /// SUMO ends itself when an error text with such an id does not fit.
-    #[error("id of {length} bytes (at most {MAX_ID_BYTES}, longer ones can end SUMO): {id}...")]
-    IdTooLong {
-        /// The beginning of the id.
-        id: String,
-        /// Its length in bytes, with the parameter of a get.
-        length: usize,
-    },
-    /// Not a number, infinite, or a negative speed: SUMO would silently release the vehicle.
-    #[error("{value} is not a usable {what}")]
-    BadNumber {
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-    },
-    /// Subscribed without the parameter that it needs: SUMO takes the next variable for the parameter, loses its place
-    /// in the message and hangs, or dies.
-    #[error("variable 0x{id:02x} needs a parameter: use `subscribe_with`")]
-    NeedsParameter {
-        /// Its identifier.
-        id: u8,
-    },
-    /// The message would exceed 2 GiB, or one command 255 variables.
-    #[error("the batch grows too large")]
-    TooLarge,
-}
-
-/// Refuses what is not finite, by name.
-pub(super) fn finite(what: &'static str, value: f64) -> Result<f64, BatchError> {
-    if value.is_finite() { Ok(value) } else { Err(BatchError::BadNumber { what, value }) }
-}
 
 /// A prebuilt command head for one object: what a per-step command copies before it appends its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -246,7 +204,7 @@ impl Batch {
     fn push_speed(&mut self, vehicle: &Prefix, speed_mps: f64) -> Result<usize, BatchError> {
         let mut tail = [tag::DOUBLE; 9];
         tail[1..].copy_from_slice(&speed_mps.to_be_bytes());
-        self.push_prefixed(vehicle, 0xc4, 0x40, Answer::Status, &tail)
+        self.push_prefixed(vehicle, Domain::Vehicle.set_command(), vehicle::SPEED.set_id, Answer::Status, &tail)
     }
 
     /// `setPreviousSpeed`: SUMO takes `speed_mps` [m/s] for the present speed and `acceleration_mps2` [m/s²] for the
@@ -268,7 +226,8 @@ impl Batch {
         tail[6..14].copy_from_slice(&speed_mps.to_be_bytes());
         tail[14] = tag::DOUBLE;
         tail[15..].copy_from_slice(&acceleration_mps2.to_be_bytes());
-        self.push_prefixed(vehicle, 0xc4, 0x3c, Answer::Status, &tail)
+        let variable = vehicle::PREVIOUS_SPEED.set_id;
+        self.push_prefixed(vehicle, Domain::Vehicle.set_command(), variable, Answer::Status, &tail)
     }
 
     /// Asks for a variable of the object of `prefix`.
@@ -332,17 +291,38 @@ impl Batch {
         })
     }
 
-    /// Subscribes to variables of an object: their values come with the reply to this batch and with every step from
-    /// then on. `begin_s` is the present simulation time \[s\]; with SUMO's "from the beginning" each new subscription
-    /// would cost time proportional to all others.
+    /// Subscribes to variables of an object, such as `(vehicle::SPEED, vehicle::ANGLE)`: their values come with the reply
+    /// to this batch and with every step from then on, and [`super::Block::read`] reads them by the same variables.
+    /// `begin_s` is the present simulation time \[s\]; with SUMO's "from the beginning" each new subscription would cost
+    /// time proportional to all others.
     ///
     /// Many variables of one vehicle may become several commands (SUMO ends itself when the texts about an unknown
     /// vehicle do not fit 255 bytes); their numbers are returned. SUMO joins them into one block.
     ///
     /// # Errors
-    /// If the id is too long, the time not finite or a variable needs a parameter, or behind a step. Nothing is appended
-    /// then.
-    pub fn subscribe(
+    /// If the id is too long, the time not finite, or the variables are of several domains, or behind a step. Nothing is
+    /// appended then.
+    pub fn subscribe<V: Variables>(
+        &mut self,
+        variables: V,
+        id: &str,
+        begin_s: f64,
+    ) -> Result<Range<usize>, BatchError> {
+        let mut list = Vec::new();
+        variables.list(&mut list);
+        let domain = list.first().map_or(Domain::Simulation, |(domain, _)| *domain);
+        if list.iter().any(|(other, _)| *other != domain) {
+            return Err(BatchError::SeveralDomains);
+        }
+        let ids: Vec<u8> = list.into_iter().map(|(_, id)| id).collect();
+        self.subscribe_ids(domain, id, &ids, begin_s)
+    }
+
+    /// As [`Batch::subscribe`], by bare identifiers: for variables that are known only when the program runs.
+    ///
+    /// # Errors
+    /// As [`Batch::subscribe`], and if a variable needs a parameter.
+    pub fn subscribe_ids(
         &mut self,
         domain: Domain,
         id: &str,
@@ -475,11 +455,14 @@ fn usable_speed(speed_mps: f64) -> Result<f64, BatchError> {
     Ok(speed_mps.abs())
 }
 
-/// True if a subscription to the variable must carry a parameter. Stops (0x73) need one only there, and
-/// only in newer SUMO; 0x3e is a parameter together with its key.
+/// A generic parameter together with its key; every domain has it, the table leaves it out.
+const PARAMETER_WITH_KEY: u8 = 0x3e;
+
+/// True if a subscription to the variable must carry a parameter. The short form of stops needs one only in a
+/// subscription, and only in newer SUMO.
 fn needs_parameter(domain: Domain, variable: u8) -> bool {
     let by_table = TABLE.iter().any(|row| row.domain == domain && row.id == variable && row.parameter.is_some());
-    by_table || variable == 0x3e || (domain == Domain::Vehicle && variable == 0x73)
+    by_table || variable == PARAMETER_WITH_KEY || (domain == Domain::Vehicle && variable == vehicle::NEXT_STOPS.id)
 }
 
 /// How many variables one subscribe command may carry so that the error texts fit. The simulation always exists.
@@ -489,10 +472,4 @@ fn variables_per_command(domain: Domain, id: &str) -> usize {
     }
     let text = (id.len() + ERROR_PER_VARIABLE_BYTES).max(ERROR_UNSUPPORTED_BYTES);
     (ERROR_TEXT_BYTES / text).max(1)
-}
-
-/// Writes a compound header.
-pub(super) fn put_compound(out: &mut Vec<u8>, items: usize) {
-    out.push(tag::COMPOUND);
-    put_count(out, items);
 }

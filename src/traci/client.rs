@@ -20,7 +20,9 @@ use tokio::time::{Instant, sleep, timeout};
 use super::batch::{Batch, Expected};
 use super::error::Error;
 use super::reply::{Index, Reply};
+use super::subscription::Variables;
 use super::typed::{Domain, FromValue, Shape, Var};
+use super::version::SumoVersion;
 use super::wire::{DecodeError, frame_length};
 
 /// The buffer for replies begins at this size [bytes] and grows as needed; a wrong length cannot make it grow ahead of
@@ -28,45 +30,6 @@ use super::wire::{DecodeError, frame_length};
 const INBOX_BYTES: usize = 1 << 16;
 /// Pause between attempts to connect while SUMO is starting.
 const RETRY: Duration = Duration::from_millis(5);
-
-/// What SUMO says about itself.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct SumoVersion {
-    /// TraCI's API number: 20 up to 1.18, 21 up to 1.22, then 22. Too coarse to decide by.
-    pub api: i32,
-    /// Full text, for example "SUMO 1.28.0".
-    pub text: String,
-    /// Major, minor, patch; 0 where the text has none.
-    pub number: (u32, u32, u32),
-}
-
-impl SumoVersion {
-    /// The oldest SUMO that is supported.
-    pub const MINIMUM: (u32, u32, u32) = (1, 15, 0);
-
-    /// Reads the version out of SUMO's text: "SUMO 1.28.0", "SUMO v1_27_0+0123-0a1b2c3d4e5".
-    #[must_use]
-    pub fn parse(api: i32, text: &str) -> Self {
-        let start = text.find(|c: char| c.is_ascii_digit()).unwrap_or(text.len());
-        let digits =
-            text[start..].split(|c: char| c == '+' || c == '-' || c.is_whitespace()).next().unwrap_or_default();
-        let mut parts = digits.split(['.', '_']).map(|part| part.parse().unwrap_or(0));
-        let mut next = || parts.next().unwrap_or(0);
-        Self { api, text: text.to_owned(), number: (next(), next(), next()) }
-    }
-
-    /// True for this release and all later ones.
-    #[must_use]
-    pub fn at_least(&self, major: u32, minor: u32) -> bool {
-        self.number >= (major, minor, 0)
-    }
-}
-
-impl fmt::Display for SumoVersion {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.text)
-    }
-}
 
 /// The right to the answer to one message. A ticket that is dropped gives the answer up: it is thrown away when it comes.
 #[must_use = "the answer is thrown away with its ticket"]
@@ -336,7 +299,7 @@ impl Client {
         sent?;
         let reply = self.index.reply(&self.inbox[self.current.clone()]);
         match reply.refusals().next() {
-            Some((_, refusal)) => Err(Error::refused(refusal)),
+            Some((_, refusal)) => Err(refusal.into()),
             None => Ok((built, reply)),
         }
     }
@@ -381,14 +344,13 @@ impl Client {
     ///
     /// # Errors
     /// As [`Client::set`].
-    pub async fn subscribe(
+    pub async fn subscribe<V: Variables>(
         &mut self,
-        domain: Domain,
+        variables: V,
         id: &str,
-        variables: &[u8],
         begin_s: f64,
     ) -> Result<(Range<usize>, Reply<'_>), Error> {
-        self.single(|batch| Ok(batch.subscribe(domain, id, variables, begin_s)?)).await
+        self.single(|batch| Ok(batch.subscribe(variables, id, begin_s)?)).await
     }
 
     /// Ends all subscriptions of an object.
@@ -563,16 +525,5 @@ mod tests {
         let mut client = Client::connect(peer(vec![vec![0]]).await, LIMIT).await.unwrap();
         assert!(timeout(Duration::ZERO, client.step()).await.is_err());
         assert!(matches!(client.step().await, Err(Error::Finished)));
-    }
-
-    #[test]
-    fn versions_are_read_and_compared() {
-        let number = |text: &str| SumoVersion::parse(20, text).number;
-        assert_eq!(number("SUMO 1.15.0"), (1, 15, 0));
-        assert_eq!(number("SUMO v1_27_1+0123-0a1b2c3d4e5"), (1, 27, 1));
-        assert_eq!(number("SUMO 2.0"), (2, 0, 0));
-        assert_eq!(number("something"), (0, 0, 0));
-        assert!(SumoVersion::parse(20, "SUMO 1.16.2").at_least(1, 16));
-        assert!(!SumoVersion::parse(20, "SUMO 1.9.2").at_least(1, 15));
     }
 }

@@ -1,10 +1,9 @@
 //! The compound answers of the table, as structures. Each is decoded by what its variable is known to send.
 
-use super::batch::{BatchError, put_compound};
-use super::error::Error;
+use super::error::{BatchError, Error};
 use super::typed::{FromValue, Shape, mismatch};
-use super::value::{Compound, Value};
-use super::wire::{DecodeError, Reader};
+use super::value::{Compound, Layout, Value};
+use super::wire::{DecodeError, Reader, put_compound, tag};
 
 /// Takes a compound apart with `read`, which must use up all of it.
 fn whole<T>(
@@ -20,6 +19,9 @@ fn whole<T>(
 
 /// One typed field of a record.
 trait Field: Sized {
+    /// Number of its typed items on the wire.
+    const ITEMS: usize = 1;
+
     fn field(reader: &mut Reader<'_>) -> Result<Self, DecodeError>;
 }
 
@@ -70,7 +72,7 @@ impl Field for char {
 impl Field for Vec<String> {
     fn field(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
         let before = *reader;
-        match reader.value(super::wire::Layout::Counted)? {
+        match Value::read(reader, Layout::Counted)? {
             Value::Texts(texts) => Ok(texts.map(str::to_owned).collect()),
             _ => Err(before.error("another type than expected")),
         }
@@ -82,7 +84,7 @@ fn counted<T>(
     reader: &mut Reader<'_>,
     mut read: impl FnMut(&mut Reader<'_>) -> Result<T, DecodeError>,
 ) -> Result<Vec<T>, DecodeError> {
-    reader.tag(super::wire::tag::COMPOUND)?;
+    reader.tag(tag::COMPOUND)?;
     (0..reader.count()?).map(|_| read(reader)).collect()
 }
 
@@ -102,6 +104,8 @@ macro_rules! records {
         }
 
         impl Field for $name {
+            const ITEMS: usize = 0 $(+ <$type as Field>::ITEMS)+;
+
             fn field(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
                 Ok(Self { $($field: Field::field(reader)?,)+ })
             }
@@ -111,6 +115,8 @@ macro_rules! records {
     )+};
     (list $name:ident) => {
         impl FromValue for Vec<$name> {
+            const LAYOUT: Layout = Layout::Groups($name::ITEMS);
+
             fn from_value(value: Value<'_>) -> Result<Self, Error> {
                 whole(value, |_, reader| {
                     let count = reader.typed_count()?;
@@ -330,6 +336,8 @@ pub struct Neighbour {
 }
 
 impl FromValue for Vec<Neighbour> {
+    const LAYOUT: Layout = Layout::Neighbours;
+
     fn from_value(value: Value<'_>) -> Result<Self, Error> {
         whole(value, |compound, reader| {
             (0..compound.count).map(|_| Ok(Neighbour { id: reader.text()?.to_owned(), gap_m: reader.f64()? })).collect()
@@ -342,6 +350,8 @@ impl FromValue for Vec<Neighbour> {
 pub struct ControlledLinks(pub Vec<Vec<Vec<String>>>);
 
 impl FromValue for ControlledLinks {
+    const LAYOUT: Layout = Layout::Nested;
+
     fn from_value(value: Value<'_>) -> Result<Self, Error> {
         whole(value, |_, reader| {
             let signals = reader.typed_count()?;
@@ -388,7 +398,7 @@ pub struct Logic {
 
 impl Field for Phase {
     fn field(reader: &mut Reader<'_>) -> Result<Self, DecodeError> {
-        reader.tag(super::wire::tag::COMPOUND)?;
+        reader.tag(tag::COMPOUND)?;
         reader.count()?;
         Ok(Self {
             duration_s: Field::field(reader)?,
@@ -404,7 +414,7 @@ impl Field for Phase {
 impl FromValue for Vec<Logic> {
     fn from_value(value: Value<'_>) -> Result<Self, Error> {
         let logic = |reader: &mut Reader<'_>| {
-            reader.tag(super::wire::tag::COMPOUND)?;
+            reader.tag(tag::COMPOUND)?;
             reader.count()?;
             Ok(Logic {
                 program: Field::field(reader)?,

@@ -3,10 +3,50 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::batch::BatchError;
-use super::client::SumoVersion;
-use super::reply::Refusal;
+use super::version::SumoVersion;
 use super::wire::DecodeError;
+
+/// Longest object id in bytes. SUMO repeats ids in error texts, and ends itself if a text does not fit a status of 255
+/// bytes; the longest text around an id has about 60 bytes (a subscription to an unknown traffic light).
+pub const MAX_ID_BYTES: usize = 180;
+
+/// A command that must not be sent.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BatchError {
+    /// SUMO would act on it before the step.
+    #[error("the batch already ends with a step; a command behind it would act before it: send it in the next batch")]
+    AfterStep,
+    /// SUMO ends itself when an error text with such an id does not fit.
+    #[error("id of {length} bytes (at most {MAX_ID_BYTES}, longer ones can end SUMO): {id}...")]
+    IdTooLong {
+        /// The beginning of the id.
+        id: String,
+        /// Its length in bytes, with the parameter of a get.
+        length: usize,
+    },
+    /// Not a number, infinite, or a negative speed: SUMO would silently release the vehicle.
+    #[error("{value} is not a usable {what}")]
+    BadNumber {
+        /// Which number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Subscribed without the parameter that it needs: SUMO takes the next variable for the parameter, loses its place
+    /// in the message and hangs, or dies.
+    #[error("variable 0x{id:02x} needs a parameter: use `subscribe_with`")]
+    NeedsParameter {
+        /// Its identifier.
+        id: u8,
+    },
+    /// One subscription is about one object, and so about one domain.
+    #[error("variables of several domains in one subscription")]
+    SeveralDomains,
+    /// The message would exceed 2 GiB, or one command 255 variables.
+    #[error("the batch grows too large")]
+    TooLarge,
+}
 
 /// An error of the TraCI room.
 #[derive(Debug, thiserror::Error)]
@@ -97,10 +137,4 @@ pub enum Error {
         /// Its last lines.
         report: String,
     },
-}
-
-impl Error {
-    pub(super) fn refused(refusal: Refusal<'_>) -> Self {
-        Self::Refused { text: refusal.text.to_owned(), not_implemented: refusal.not_implemented }
-    }
 }

@@ -1,17 +1,18 @@
-//! A reply, read in place: one status per command, values of gets, subscription blocks.
+//! A reply, read in place: one status per command, values of gets, blocks of subscribed values.
 //!
 //! When a frame arrives its outer structure is checked in one quick pass (statuses in order, lengths that add up, no
 //! byte left over); values are decoded when asked for, without copies.
 
 use super::batch::{Answer, Batch, Expected, Handle};
 use super::error::Error;
-use super::typed::{Domain, FromValue, Var};
-use super::value::{Value, known};
-use super::wire::{DecodeError, Reader, frame_length, layout, tag};
+use super::subscription::{Block, SUBSCRIBED};
+use super::typed::FromValue;
+use super::value::Value;
+use super::variables::layout;
+use super::wire::{DecodeError, Reader, frame_length};
 
-/// High nibbles of the answers to gets and subscriptions; the low one is the domain.
+/// High four bits of the answer to a get; the low ones are the domain.
 const GOT: u8 = 0xb0;
-const SUBSCRIBED: u8 = 0xe0;
 
 /// SUMO declined a command. The connection is well, the other commands of the batch were carried out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +21,12 @@ pub struct Refusal<'a> {
     pub text: &'a str,
     /// True if this SUMO does not know the command at all.
     pub not_implemented: bool,
+}
+
+impl From<Refusal<'_>> for Error {
+    fn from(refusal: Refusal<'_>) -> Self {
+        Self::Refused { text: refusal.text.to_owned(), not_implemented: refusal.not_implemented }
+    }
 }
 
 /// Offsets in the frame: of the status if it is a refusal, and of what follows it; 0 means there is none.
@@ -214,7 +221,7 @@ impl<'a> Reply<'a> {
     /// If the bytes of the value are bad.
     pub fn value(&self, command: usize) -> Result<Option<Value<'a>>, DecodeError> {
         let Some((domain, variable, mut body)) = self.got(command) else { return Ok(None) };
-        let value = body.value(layout(domain, variable))?;
+        let value = Value::read(&mut body, layout(domain, variable))?;
         body.finish()?;
         Ok(Some(value))
     }
@@ -240,7 +247,7 @@ impl<'a> Reply<'a> {
     /// than the table says, [`Error::Decode`] for bad bytes.
     pub fn get<T: FromValue>(&self, handle: Handle<T>) -> Result<T, Error> {
         if let Some(refusal) = self.refusal(handle.index) {
-            return Err(Error::refused(refusal));
+            return Err(refusal.into());
         }
         match self.value(handle.index)? {
             Some(value) => T::from_value(value),
@@ -259,7 +266,7 @@ impl<'a> Reply<'a> {
         if response & 0xf0 != SUBSCRIBED {
             return Ok(None);
         }
-        Block::read(&mut Reader::new(self.frame, at)).map(Some)
+        Block::decode(&mut Reader::new(self.frame, at)).map(Some)
     }
 
     /// Number of blocks that came with the step.
@@ -297,7 +304,7 @@ impl<'a> Iterator for Blocks<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         self.left = self.left.checked_sub(1)?;
-        let block = Block::read(&mut self.reader);
+        let block = Block::decode(&mut self.reader);
         if block.is_err() {
             self.left = 0;
         }
@@ -306,111 +313,5 @@ impl<'a> Iterator for Blocks<'a> {
 
     fn size_hint(&self) -> (usize, Option<usize>) {
         (0, Some(self.left))
-    }
-}
-
-/// Subscribed values of one object.
-#[derive(Debug, Clone, Copy)]
-pub struct Block<'a> {
-    /// Its domain; `None` for a context subscription (of another client) and domains outside the table.
-    pub domain: Option<Domain>,
-    /// The object.
-    pub id: &'a str,
-    response: u8,
-    count: u8,
-    values: Reader<'a>,
-}
-
-impl<'a> Block<'a> {
-    fn read(reader: &mut Reader<'a>) -> Result<Self, DecodeError> {
-        let (response, mut values) = reader.command()?;
-        let id = values.text()?;
-        let domain = Domain::from_subscription(response);
-        let count = if response & 0xf0 == SUBSCRIBED { values.u8()? } else { 0 };
-        Ok(Self { domain, id, response, count, values })
-    }
-
-    /// The values, in the order of subscribing: variable, and its value or SUMO's reason for having none (mostly that the
-    /// object is gone).
-    #[must_use]
-    pub fn values(&self) -> Values<'a> {
-        Values { response: self.response, left: self.count, reader: self.values }
-    }
-
-    /// The fast way for a block of exactly these doubles in this order. `Ok(None)`: the object is gone. Inside, `None`
-    /// is "no value now".
-    ///
-    /// # Errors
-    /// If the block holds other variables, another type or bad bytes.
-    pub fn doubles<const N: usize>(&self, variables: [u8; N]) -> Result<Option<[Option<f64>; N]>, DecodeError> {
-        let mut reader = self.values;
-        if usize::from(self.count) != N {
-            return Err(reader.error("another number of variables than expected"));
-        }
-        let mut values = [None; N];
-        for (value, variable) in values.iter_mut().zip(variables) {
-            if reader.u8()? != variable {
-                return Err(reader.error("another variable than expected"));
-            }
-            if reader.u8()? != 0 {
-                return Ok(None);
-            }
-            reader.tag(tag::DOUBLE)?;
-            *value = known(reader.f64()?);
-        }
-        reader.finish()?;
-        Ok(Some(values))
-    }
-
-    /// One variable by its row in the table; `Ok(None)` if the block does not hold it.
-    ///
-    /// # Errors
-    /// As [`Reply::get`].
-    pub fn get<T: FromValue, S, P>(&self, variable: Var<T, S, P>) -> Result<Option<T>, Error> {
-        for entry in self.values() {
-            let (id, value) = entry?;
-            if id == variable.id {
-                let value = value.map_err(|text| Error::refused(Refusal { text, not_implemented: false }))?;
-                return T::from_value(value).map(Some);
-            }
-        }
-        Ok(None)
-    }
-}
-
-/// Iterator over the values of a block.
-#[derive(Debug, Clone)]
-pub struct Values<'a> {
-    response: u8,
-    left: u8,
-    reader: Reader<'a>,
-}
-
-impl<'a> Values<'a> {
-    fn entry(&mut self) -> Result<(u8, Result<Value<'a>, &'a str>), DecodeError> {
-        let variable = self.reader.u8()?;
-        let start = self.reader;
-        let value = match self.reader.u8()? {
-            0x00 => Ok(self.reader.value(layout(self.response, variable))?),
-            0xff => Err(self.reader.typed_text()?),
-            _ => return Err(start.error("unknown status")),
-        };
-        if self.left == 0 {
-            self.reader.finish()?;
-        }
-        Ok((variable, value))
-    }
-}
-
-impl<'a> Iterator for Values<'a> {
-    type Item = Result<(u8, Result<Value<'a>, &'a str>), DecodeError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.left = self.left.checked_sub(1)?;
-        let entry = self.entry();
-        if entry.is_err() {
-            self.left = 0;
-        }
-        Some(entry)
     }
 }

@@ -2,10 +2,9 @@
 
 use std::marker::PhantomData;
 
-use super::batch::{BatchError, finite, put_compound};
-use super::error::Error;
-use super::value::{Color, Value};
-use super::wire::{put_count, put_f64, put_i32, put_text, tag};
+use super::error::{BatchError, Error};
+use super::value::{Color, Layout, Value};
+use super::wire::{put_compound, put_count, put_f64, put_i32, put_text, tag};
 
 /// The kinds of objects in the table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -98,6 +97,9 @@ impl<T, S, P> Var<T, S, P> {
 
 /// What can be read.
 pub trait FromValue: Sized {
+    /// How the compound that brings it lies in the reply; of no meaning for other types.
+    const LAYOUT: Layout = Layout::Counted;
+
     /// Takes the value apart.
     ///
     /// # Errors
@@ -139,6 +141,8 @@ from_value! {
 }
 
 impl<T: FromValue> FromValue for Option<T> {
+    const LAYOUT: Layout = T::LAYOUT;
+
     /// For variables that may have no value at any time: "no value" becomes `None`.
     fn from_value(value: Value<'_>) -> Result<Self, Error> {
         match value {
@@ -146,6 +150,11 @@ impl<T: FromValue> FromValue for Option<T> {
             other => T::from_value(other).map(Some),
         }
     }
+}
+
+/// Refuses a number that is not finite; `what` names it.
+pub(super) fn finite(what: &'static str, value: f64) -> Result<f64, BatchError> {
+    if value.is_finite() { Ok(value) } else { Err(BatchError::BadNumber { what, value }) }
 }
 
 /// What can be sent: the value of a set or the parameter of a get. Numbers that are not finite are refused.

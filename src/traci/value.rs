@@ -1,6 +1,26 @@
 //! What SUMO answers: values that borrow from the received frame.
 
-use super::wire::{NO_VALUE, Reader};
+use super::wire::{DecodeError, NO_VALUE, Reader, tag};
+
+/// The integer with which SUMO says "no value".
+const NO_VALUE_INT: i32 = NO_VALUE as i32;
+
+/// Compounds inside compounds: SUMO's deepest has 3 levels.
+const MAX_DEPTH: u8 = 6;
+
+/// How the items of a compound lie. SUMO's own item count is wrong for stops and neighbours, so it is believed only
+/// where nothing better is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Layout {
+    /// As many typed items as the count says.
+    Counted,
+    /// A typed integer n, then n groups of so many typed items.
+    Groups(usize),
+    /// A typed integer n, then n groups: a typed integer k and k typed items.
+    Nested,
+    /// The count is the number of pairs of an untyped string and an untyped double.
+    Neighbours,
+}
 
 /// A typed value inside a reply.
 #[derive(Debug, Clone, Copy)]
@@ -34,6 +54,53 @@ pub enum Value<'a> {
 }
 
 impl<'a> Value<'a> {
+    /// Reads a typed value. `layout` says how a compound lies.
+    pub(super) fn read(reader: &mut Reader<'a>, layout: Layout) -> Result<Self, DecodeError> {
+        Self::read_at(reader, layout, 0)
+    }
+
+    fn read_at(reader: &mut Reader<'a>, layout: Layout, depth: u8) -> Result<Self, DecodeError> {
+        let before = *reader;
+        Ok(match reader.u8()? {
+            tag::DOUBLE => known(reader.f64()?).map_or(Self::Missing, Self::Double),
+            tag::INT => match reader.i32()? {
+                NO_VALUE_INT => Self::Missing,
+                v => Self::Int(v),
+            },
+            tag::TEXT => Self::Text(reader.text()?),
+            tag::UBYTE => Self::UByte(reader.u8()?),
+            tag::BYTE => Self::Byte(i8::from_be_bytes(reader.take()?)),
+            tag::POSITION2 => position(reader, Self::Position2)?,
+            tag::POSITION3 => position(reader, Self::Position3)?,
+            tag::COLOR => {
+                let [red, green, blue, alpha] = reader.take()?;
+                Self::Color(Color { red, green, blue, alpha })
+            }
+            tag::TEXTS => {
+                let left = reader.count()?;
+                let start = *reader;
+                for _ in 0..left {
+                    reader.text()?;
+                }
+                Self::Texts(Texts { left, reader: start })
+            }
+            tag::DOUBLES => {
+                let count = reader.count()?;
+                Self::Doubles(Doubles(reader.part(count.saturating_mul(8))?))
+            }
+            tag::POLYGON => {
+                let count = match reader.u8()? {
+                    0 => reader.count()?,
+                    short => usize::from(short),
+                };
+                Self::Polygon(Polygon(reader.part(count.saturating_mul(16))?))
+            }
+            tag::COMPOUND if depth < MAX_DEPTH => Self::Compound(Compound::read(reader, layout, depth)?),
+            tag::COMPOUND => return Err(before.error("compounds nested too deep")),
+            _ => return Err(before.error("unknown type tag")),
+        })
+    }
+
     /// The number, if it is a double.
     #[must_use]
     pub fn as_f64(&self) -> Option<f64> {
@@ -104,12 +171,6 @@ pub struct Texts<'a> {
     reader: Reader<'a>,
 }
 
-impl<'a> Texts<'a> {
-    pub(super) fn new(left: usize, reader: Reader<'a>) -> Self {
-        Self { left, reader }
-    }
-}
-
 impl<'a> Iterator for Texts<'a> {
     type Item = &'a str;
 
@@ -129,12 +190,6 @@ impl ExactSizeIterator for Texts<'_> {}
 #[derive(Debug, Clone, Copy)]
 pub struct Doubles<'a>(Reader<'a>);
 
-impl<'a> Doubles<'a> {
-    pub(super) fn new(reader: Reader<'a>) -> Self {
-        Self(reader)
-    }
-}
-
 impl Iterator for Doubles<'_> {
     type Item = f64;
 
@@ -146,12 +201,6 @@ impl Iterator for Doubles<'_> {
 /// Points inside a frame: x, y \[m\].
 #[derive(Debug, Clone, Copy)]
 pub struct Polygon<'a>(Reader<'a>);
-
-impl<'a> Polygon<'a> {
-    pub(super) fn new(reader: Reader<'a>) -> Self {
-        Self(reader)
-    }
-}
 
 impl Iterator for Polygon<'_> {
     type Item = [f64; 2];
@@ -170,8 +219,33 @@ pub struct Compound<'a> {
 }
 
 impl<'a> Compound<'a> {
-    pub(super) fn new(count: usize, reader: Reader<'a>) -> Self {
-        Self { count, reader }
+    fn read(reader: &mut Reader<'a>, layout: Layout, depth: u8) -> Result<Self, DecodeError> {
+        let count = reader.count()?;
+        let start = *reader;
+        let items = |reader: &mut Reader<'a>, count: usize| -> Result<(), DecodeError> {
+            (0..count).try_for_each(|_| Value::read_at(reader, Layout::Counted, depth + 1).map(drop))
+        };
+        match layout {
+            Layout::Counted => items(reader, count)?,
+            Layout::Groups(size) => {
+                for _ in 0..reader.typed_count()? {
+                    items(reader, size)?;
+                }
+            }
+            Layout::Nested => {
+                for _ in 0..reader.typed_count()? {
+                    let inner = reader.typed_count()?;
+                    items(reader, inner)?;
+                }
+            }
+            Layout::Neighbours => {
+                for _ in 0..count {
+                    reader.text()?;
+                    reader.f64()?;
+                }
+            }
+        }
+        Ok(Self { count, reader: reader.since(&start) })
     }
 
     /// A cursor over the items, type tags included.
@@ -182,7 +256,17 @@ impl<'a> Compound<'a> {
 }
 
 /// `None` for the double with which SUMO says "no value".
-#[must_use]
-pub(super) fn known(value: f64) -> Option<f64> {
+fn known(value: f64) -> Option<f64> {
     if value == NO_VALUE { None } else { Some(value) }
+}
+
+fn position<'a, const N: usize>(
+    reader: &mut Reader<'a>,
+    make: impl Fn([f64; N]) -> Value<'a>,
+) -> Result<Value<'a>, DecodeError> {
+    let mut at = [0.0; N];
+    for coordinate in &mut at {
+        *coordinate = reader.f64()?;
+    }
+    Ok(if at.iter().all(|v| *v == NO_VALUE) { Value::Missing } else { make(at) })
 }

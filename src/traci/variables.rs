@@ -9,7 +9,7 @@ use super::compound::{
 };
 use super::error::Error;
 use super::typed::{Distance, Domain, FromValue, Nothing, OnRoad, Var};
-use super::value::{Color, Value};
+use super::value::{Color, Layout, Value};
 
 /// A row of the table as data.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +22,8 @@ pub struct Row {
     pub id: u8,
     /// Decodes the answer to a get into its type and prints it; `None` if the variable cannot be read.
     pub probe: Option<fn(Value<'_>) -> Result<String, Error>>,
+    /// How the compound that a get brings lies in the reply.
+    pub(super) layout: Layout,
     /// The parameter of the get, as a type.
     pub parameter: Option<&'static str>,
     /// What a set takes, as a type; `None` if the variable cannot be set.
@@ -54,6 +56,15 @@ macro_rules! option {
     };
 }
 
+macro_rules! layout {
+    () => {
+        Layout::Counted
+    };
+    ($get:ty) => {
+        <$get as FromValue>::LAYOUT
+    };
+}
+
 macro_rules! number {
     ($default:literal) => {
         $default
@@ -70,7 +81,7 @@ macro_rules! table {
     })*) => {
         $($(#[$about])* pub mod $module {
             use super::*;
-            use super::super::typed::Never;
+            use crate::traci::typed::Never;
             $(
                 #[doc = $doc]
                 pub const $name: Var<or!(Never $(, $get)?), or!(Never $(, $set)?), or!(() $(, $with)?)> =
@@ -84,12 +95,32 @@ macro_rules! table {
             name: stringify!($name),
             id: $id,
             probe: option!($(probe::<$get>)?),
+            layout: layout!($($get)?),
             parameter: option!($(stringify!($with))?),
             set: option!($(stringify!($set))?),
             newer: number!(false $($newer)?),
             doc: $doc,
         },)*)*];
     };
+}
+
+/// By the low four bits of a domain and by variable, how a compound lies in a reply.
+static LAYOUTS: [[Layout; 256]; 16] = {
+    let mut layouts = [[Layout::Counted; 256]; 16];
+    let mut at = 0;
+    while at < TABLE.len() {
+        let row = &TABLE[at];
+        if row.probe.is_some() {
+            layouts[row.domain as usize][row.id as usize] = row.layout;
+        }
+        at += 1;
+    }
+    layouts
+};
+
+/// How a compound of this variable lies. Of `domain`, which may be a command or an answer, the low four bits count.
+pub(super) fn layout(domain: u8, variable: u8) -> Layout {
+    LAYOUTS[usize::from(domain & 0x0f)][usize::from(variable)]
 }
 
 type Texts = Vec<String>;

@@ -3,11 +3,8 @@
 //! Decoding never panics and never trusts a length: every answer is a value, "need more" or a [`DecodeError`] with the
 //! offset of the offending byte. Values borrow from the frame they were read from.
 
-use super::value::{Color, Compound, Doubles, Polygon, Texts, Value};
-
 /// The double (and, cast, the integer) with which SUMO says "no value": not departed, teleporting.
-pub(crate) const NO_VALUE: f64 = -1_073_741_824.0;
-const NO_VALUE_INT: i32 = -1_073_741_824;
+pub(super) const NO_VALUE: f64 = -1_073_741_824.0;
 
 /// Bytes that are not what TraCI says they must be. The connection cannot be used after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -20,7 +17,7 @@ pub struct DecodeError {
 }
 
 /// Type tags in front of values.
-pub(crate) mod tag {
+pub(super) mod tag {
     pub const POSITION2: u8 = 0x01;
     pub const POSITION3: u8 = 0x03;
     pub const POLYGON: u8 = 0x06;
@@ -33,36 +30,6 @@ pub(crate) mod tag {
     pub const COMPOUND: u8 = 0x0f;
     pub const DOUBLES: u8 = 0x10;
     pub const COLOR: u8 = 0x11;
-}
-
-/// How the items of a compound lie. SUMO's own item count is wrong for stops and neighbours, so it is only believed
-/// where nothing better is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Layout {
-    /// As many typed items as the count says.
-    Counted,
-    /// A typed integer n, then n groups of so many typed items.
-    Groups(usize),
-    /// A typed integer n, then n groups: a typed integer k and k typed items.
-    Nested,
-    /// The count is the number of pairs of an untyped string and an untyped double.
-    Neighbours,
-}
-
-/// Layout of the compound that answers `variable` in the domain with this low nibble.
-pub(crate) fn layout(domain: u8, variable: u8) -> Layout {
-    match (domain & 0x0f, variable) {
-        (0x4, 0x73) => Layout::Groups(6),
-        (0x4, 0x74) => Layout::Groups(16),
-        (0x4, 0x70) => Layout::Groups(4),
-        (0x4, 0x33) | (0x3, 0x33) => Layout::Groups(8),
-        (0x4, 0x37) => Layout::Groups(9),
-        (0x4, 0xb2) => Layout::Groups(6),
-        (0xb, 0x23) => Layout::Groups(9),
-        (0x2, 0x27) => Layout::Nested,
-        (0x4, 0xbf) => Layout::Neighbours,
-        _ => Layout::Counted,
-    }
 }
 
 /// Length of the frame that starts at `bytes`; `None` means "need more". The frame is complete once that many bytes
@@ -92,7 +59,7 @@ impl<'a> Reader<'a> {
         Self { bytes: frame, at: offset.min(frame.len()) }
     }
 
-    pub(crate) fn offset(&self) -> usize {
+    pub(super) fn offset(&self) -> usize {
         self.at
     }
 
@@ -102,11 +69,11 @@ impl<'a> Reader<'a> {
         self.at == self.bytes.len()
     }
 
-    pub(crate) fn rest(&self) -> &'a [u8] {
+    pub(super) fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
 
-    pub(crate) fn error(&self, what: &'static str) -> DecodeError {
+    pub(super) fn error(&self, what: &'static str) -> DecodeError {
         DecodeError { offset: self.at, what }
     }
 
@@ -118,13 +85,13 @@ impl<'a> Reader<'a> {
         if self.is_empty() { Ok(()) } else { Err(self.error("leftover bytes")) }
     }
 
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], DecodeError> {
+    pub(super) fn take<const N: usize>(&mut self) -> Result<[u8; N], DecodeError> {
         let chunk = *self.rest().first_chunk::<N>().ok_or(self.error("value runs past its end"))?;
         self.at += N;
         Ok(chunk)
     }
 
-    pub(crate) fn skip(&mut self, count: usize) -> Result<(), DecodeError> {
+    pub(super) fn skip(&mut self, count: usize) -> Result<(), DecodeError> {
         if count > self.rest().len() {
             return Err(self.error("value runs past its end"));
         }
@@ -133,10 +100,15 @@ impl<'a> Reader<'a> {
     }
 
     /// The next `count` bytes as a cursor of their own.
-    pub(crate) fn part(&mut self, count: usize) -> Result<Reader<'a>, DecodeError> {
+    pub(super) fn part(&mut self, count: usize) -> Result<Reader<'a>, DecodeError> {
         let start = self.at;
         self.skip(count)?;
         Ok(Reader { bytes: &self.bytes[..self.at], at: start })
+    }
+
+    /// The bytes from `start` to here as a cursor of their own.
+    pub(super) fn since(&self, start: &Self) -> Reader<'a> {
+        Reader { bytes: &self.bytes[..self.at], at: start.at }
     }
 
     /// An unsigned byte.
@@ -163,14 +135,6 @@ impl<'a> Reader<'a> {
         Ok(f64::from_be_bytes(self.take()?))
     }
 
-    fn doubles<const N: usize>(&mut self) -> Result<[f64; N], DecodeError> {
-        let mut values = [0.0; N];
-        for value in &mut values {
-            *value = self.f64()?;
-        }
-        Ok(values)
-    }
-
     /// A 32-bit count, not negative.
     ///
     /// # Errors
@@ -192,29 +156,29 @@ impl<'a> Reader<'a> {
     }
 
     /// Consumes a type tag.
-    pub(crate) fn tag(&mut self, expected: u8) -> Result<(), DecodeError> {
+    pub(super) fn tag(&mut self, expected: u8) -> Result<(), DecodeError> {
         let before = *self;
         if self.u8()? == expected { Ok(()) } else { Err(before.error("another type than expected")) }
     }
 
-    pub(crate) fn typed_text(&mut self) -> Result<&'a str, DecodeError> {
+    pub(super) fn typed_text(&mut self) -> Result<&'a str, DecodeError> {
         self.tag(tag::TEXT)?;
         self.text()
     }
 
     /// A typed double; SUMO's "no value" becomes `None`.
-    pub(crate) fn typed_f64(&mut self) -> Result<Option<f64>, DecodeError> {
+    pub(super) fn typed_f64(&mut self) -> Result<Option<f64>, DecodeError> {
         self.tag(tag::DOUBLE)?;
         Ok(Some(self.f64()?).filter(|v| *v != NO_VALUE))
     }
 
-    pub(crate) fn typed_i32(&mut self) -> Result<i32, DecodeError> {
+    pub(super) fn typed_i32(&mut self) -> Result<i32, DecodeError> {
         self.tag(tag::INT)?;
         self.i32()
     }
 
     /// A typed byte, signed or unsigned.
-    pub(crate) fn typed_u8(&mut self) -> Result<u8, DecodeError> {
+    pub(super) fn typed_u8(&mut self) -> Result<u8, DecodeError> {
         let before = *self;
         match self.u8()? {
             tag::UBYTE | tag::BYTE => self.u8(),
@@ -223,7 +187,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A command: the header, long or short; gives its identifier and a cursor over its payload.
-    pub(crate) fn command(&mut self) -> Result<(u8, Reader<'a>), DecodeError> {
+    pub(super) fn command(&mut self) -> Result<(u8, Reader<'a>), DecodeError> {
         let start = *self;
         let length = match self.u8()? {
             0 => self.count()?.checked_sub(5),
@@ -236,121 +200,33 @@ impl<'a> Reader<'a> {
         Ok((body.u8()?, body))
     }
 
-    /// A typed value. `layout` says how a compound lies.
-    pub(crate) fn value(&mut self, layout: Layout) -> Result<Value<'a>, DecodeError> {
-        self.value_at(layout, 0)
-    }
-
-    fn value_at(&mut self, layout: Layout, depth: u8) -> Result<Value<'a>, DecodeError> {
-        let before = *self;
-        let tag = self.u8()?;
-        Ok(match tag {
-            tag::DOUBLE => match self.f64()? {
-                v if v == NO_VALUE => Value::Missing,
-                v => Value::Double(v),
-            },
-            tag::INT => match self.i32()? {
-                NO_VALUE_INT => Value::Missing,
-                v => Value::Int(v),
-            },
-            tag::TEXT => Value::Text(self.text()?),
-            tag::UBYTE => Value::UByte(self.u8()?),
-            tag::BYTE => Value::Byte(i8::from_be_bytes(self.take()?)),
-            tag::POSITION2 => position(self.doubles::<2>()?, Value::Position2),
-            tag::POSITION3 => position(self.doubles::<3>()?, Value::Position3),
-            tag::COLOR => {
-                let [red, green, blue, alpha] = self.take()?;
-                Value::Color(Color { red, green, blue, alpha })
-            }
-            tag::TEXTS => {
-                let count = self.count()?;
-                let start = *self;
-                for _ in 0..count {
-                    self.text()?;
-                }
-                Value::Texts(Texts::new(count, start))
-            }
-            tag::DOUBLES => {
-                let count = self.count()?;
-                Value::Doubles(Doubles::new(self.part(count.saturating_mul(8))?))
-            }
-            tag::POLYGON => {
-                let count = match self.u8()? {
-                    0 => self.count()?,
-                    short => usize::from(short),
-                };
-                Value::Polygon(Polygon::new(self.part(count.saturating_mul(16))?))
-            }
-            tag::COMPOUND if depth < 6 => self.compound(layout, depth)?,
-            tag::COMPOUND => return Err(before.error("compounds nested too deep")),
-            _ => return Err(before.error("unknown type tag")),
-        })
-    }
-
-    fn compound(&mut self, layout: Layout, depth: u8) -> Result<Value<'a>, DecodeError> {
-        let count = self.count()?;
-        let start = *self;
-        match layout {
-            Layout::Counted => self.items(count, depth)?,
-            Layout::Groups(size) => {
-                for _ in 0..self.typed_count()? {
-                    self.items(size, depth)?;
-                }
-            }
-            Layout::Nested => {
-                for _ in 0..self.typed_count()? {
-                    let inner = self.typed_count()?;
-                    self.items(inner, depth)?;
-                }
-            }
-            Layout::Neighbours => {
-                for _ in 0..count {
-                    self.text()?;
-                    self.f64()?;
-                }
-            }
-        }
-        Ok(Value::Compound(Compound::new(count, Reader { bytes: &self.bytes[..self.at], at: start.at })))
-    }
-
     /// A typed, not negative integer.
-    pub(crate) fn typed_count(&mut self) -> Result<usize, DecodeError> {
+    pub(super) fn typed_count(&mut self) -> Result<usize, DecodeError> {
         let before = *self;
         usize::try_from(self.typed_i32()?).map_err(|_| before.error("negative count"))
     }
-
-    fn items(&mut self, count: usize, depth: u8) -> Result<(), DecodeError> {
-        for _ in 0..count {
-            self.value_at(Layout::Counted, depth + 1)?;
-        }
-        Ok(())
-    }
 }
 
-fn position<'a, const N: usize>(at: [f64; N], make: impl Fn([f64; N]) -> Value<'a>) -> Value<'a> {
-    if at.iter().all(|v| *v == NO_VALUE) { Value::Missing } else { make(at) }
-}
-
-pub(crate) fn put_i32(out: &mut Vec<u8>, value: i32) {
+pub(super) fn put_i32(out: &mut Vec<u8>, value: i32) {
     out.extend_from_slice(&value.to_be_bytes());
 }
 
-pub(crate) fn put_f64(out: &mut Vec<u8>, value: f64) {
+pub(super) fn put_f64(out: &mut Vec<u8>, value: f64) {
     out.extend_from_slice(&value.to_be_bytes());
 }
 
 /// A count or length; batches refuse to grow beyond `i32::MAX`, so the cast is exact there.
-pub(crate) fn put_count(out: &mut Vec<u8>, count: usize) {
+pub(super) fn put_count(out: &mut Vec<u8>, count: usize) {
     put_i32(out, i32::try_from(count).unwrap_or(i32::MAX));
 }
 
-pub(crate) fn put_text(out: &mut Vec<u8>, text: &str) {
+pub(super) fn put_text(out: &mut Vec<u8>, text: &str) {
     put_count(out, text.len());
     out.extend_from_slice(text.as_bytes());
 }
 
 /// Writes the header over a command whose two header bytes (reserved) start at `start`; the long form moves the payload.
-pub(crate) fn close_command(out: &mut Vec<u8>, start: usize) {
+pub(super) fn close_command(out: &mut Vec<u8>, start: usize) {
     let length = out.len() - start;
     if let Ok(short) = u8::try_from(length) {
         out[start] = short;
@@ -364,4 +240,10 @@ pub(crate) fn close_command(out: &mut Vec<u8>, start: usize) {
     let long = i32::try_from(length + 4).unwrap_or(i32::MAX);
     out[start + 1..start + 5].copy_from_slice(&long.to_be_bytes());
     out[start + 5] = identifier;
+}
+
+/// Writes a compound header.
+pub(super) fn put_compound(out: &mut Vec<u8>, items: usize) {
+    out.push(tag::COMPOUND);
+    put_count(out, items);
 }

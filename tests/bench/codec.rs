@@ -3,10 +3,10 @@
 
 use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, black_box};
-use sumo_mfc::traci::{Batch, Domain, Index, Prefix, vehicle};
+use sumo_mfc::traci::{Batch, Domain, Index, Prefix, Subscribed, Var, vehicle};
 
 const VEHICLES: usize = 1_000;
-const READ: [u8; 2] = [vehicle::SPEED.id, vehicle::ANGLE.id];
+const READ: (Var<f64, f64>, Var<f64>) = (vehicle::SPEED, vehicle::ANGLE);
 
 fn main() {
     divan::main();
@@ -43,7 +43,7 @@ fn answer() -> Vec<u8> {
         block.extend((id.len() as i32).to_be_bytes());
         block.extend(id.bytes());
         block.push(2);
-        for variable in READ {
+        for variable in [READ.0.id, READ.1.id] {
             block.extend([variable, 0, 0x0b]);
             block.extend(13.9_f64.to_be_bytes());
         }
@@ -76,8 +76,8 @@ fn decode(bencher: Bencher) {
         for block in reply.blocks() {
             let block = block.expect("a block");
             assert_eq!(block.domain, Some(Domain::Vehicle));
-            let values = block.doubles(READ).expect("two doubles").expect("a vehicle that is there");
-            sum_mps += values[0].unwrap_or(0.0);
+            let Subscribed::Own((speed, angle)) = block.read(READ).expect("two doubles") else { panic!("not there") };
+            sum_mps += speed.unwrap_or(0.0) + angle.unwrap_or(0.0);
         }
         sum_mps
     });

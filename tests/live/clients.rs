@@ -7,7 +7,7 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
-use sumo_mfc::traci::{Client, Domain, vehicle};
+use sumo_mfc::traci::{Client, simulation, vehicle};
 
 const LIMIT: Duration = Duration::from_secs(60);
 
@@ -85,7 +85,7 @@ async fn another_client_may_look_on_and_remove_vehicles() {
         let ours = Running::start(run_command(version, &config, &dir, &args));
         let mut other = Client::connect(format!("127.0.0.1:{port}"), LIMIT).await.unwrap();
         other.set_order(2).await.unwrap();
-        other.subscribe(Domain::Simulation, "", &[0x66, 0x74], 0.0).await.unwrap();
+        other.subscribe((simulation::TIME, simulation::DEPARTED), "", 0.0).await.unwrap();
         let mut removed = false;
         // It leaves in the middle; the run goes on without it.
         for step in 0..120 {
@@ -94,8 +94,8 @@ async fn another_client_may_look_on_and_remove_vehicles() {
             for id in &present {
                 if step % 2 == 0 {
                     // Road and place, as SUMO's own Python client asks for by default; then the speed as well.
-                    other.subscribe(Domain::Vehicle, id, &[0x50, 0x56], 0.0).await.unwrap();
-                    other.subscribe(Domain::Vehicle, id, &[0x40], f64::from(step) * 0.5).await.unwrap();
+                    other.subscribe((vehicle::ROAD, vehicle::LANE_POSITION), id, 0.0).await.unwrap();
+                    other.subscribe(vehicle::SPEED, id, f64::from(step) * 0.5).await.unwrap();
                 }
             }
             if step == 60 {

@@ -1,8 +1,8 @@
 //! The bare exchange, to compare two ways of reading: the same speeds and angles, nothing done with them.
 
-use sumo_mfc::traci::{Batch, Client, Domain, Prefix, vehicle};
+use sumo_mfc::traci::{Batch, Client, Prefix, Subscribed, Var, vehicle};
 
-const READ: [u8; 2] = [vehicle::SPEED.id, vehicle::ANGLE.id];
+const READ: (Var<f64, f64>, Var<f64>) = (vehicle::SPEED, vehicle::ANGLE);
 
 /// The exchange of one SUMO.
 pub struct Bare {
@@ -22,7 +22,7 @@ impl Bare {
         for id in &ids {
             let prefix = Prefix::new(id).expect("a short id");
             if subscribe {
-                act.subscribe(Domain::Vehicle, id, &READ, now_s).expect("a subscription");
+                act.subscribe(READ, id, now_s).expect("a subscription");
             } else {
                 read.get_by_prefix(vehicle::SPEED, &prefix).expect("a get");
                 read.get_by_prefix(vehicle::ANGLE, &prefix).expect("a get");
@@ -49,8 +49,8 @@ impl Bare {
         let Some(read) = &self.read else {
             let reply = self.client.exchange(&self.act).await.expect("SUMO steps");
             for ((_, speed_mps), block) in self.cars.iter_mut().zip(reply.blocks()) {
-                let [speed, _angle] = block.expect("a block").doubles(READ).expect("doubles").unwrap_or_default();
-                *speed_mps = speed.unwrap_or_default();
+                let read = block.expect("a block").read(READ).expect("doubles");
+                *speed_mps = if let Subscribed::Own((Some(speed), _angle)) = read { speed } else { 0.0 };
             }
             return;
         };
