@@ -154,6 +154,9 @@ pub struct CheckArgs {
     /// Print every key with its unit, range and default
     #[arg(long)]
     pub template: bool,
+    /// Print a JSON schema of the scenario file, for editors
+    #[arg(long, conflicts_with = "template")]
+    pub schema: bool,
 }
 
 /// `paper`.

@@ -16,7 +16,7 @@ use sumo_mfc::{
     compare::{RunFailed, parse_seeds, run_all, terminal_table, write_comparison},
     doctor, paper,
     run::{self, RunError, RunOptions, SessionOptions, terminal_text},
-    scenario::{Catalog, Scenario, ScenarioError, template},
+    scenario::{Catalog, Scenario, ScenarioError, schema, template},
 };
 
 fn main() -> ExitCode {
@@ -116,6 +116,9 @@ fn check(args: &CheckArgs) -> miette::Result<ExitCode> {
     let catalog = Catalog::installed();
     if args.template {
         return print(&template(&catalog));
+    }
+    if args.schema {
+        return print(&schema(&catalog));
     }
     let scenario = Scenario::load(&args.scenario.request(), &catalog)?;
     notes(&scenario.notes);

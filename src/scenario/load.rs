@@ -9,6 +9,7 @@ use super::{
     catalog::Catalog,
     document::{self, Entry, Node, Override, Table},
     error::{Mistake, ScenarioError, Wrong},
+    layout::sections,
     model::{Choice, Group, Preset, Scenario, Vehicle},
     reader::{Reader, names},
     sections::{Egos, Named},
@@ -20,26 +21,6 @@ use crate::{
     registry,
     sumo_files::{Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, is_xml, ours},
 };
-
-/// The sections of a scenario file.
-const SECTIONS: &[&str] = &[
-    "name",
-    "sumo",
-    "egos",
-    "controller",
-    "target",
-    "vehicle",
-    "plant",
-    "actuator",
-    "noise",
-    "traffic",
-    "coupling",
-    "output",
-    "group",
-];
-
-/// The sections that a `[[group]]` may have of its own.
-const GROUP_SECTIONS: &[&str] = &["select", "controller", "target", "vehicle", "actuator", "noise"];
 
 /// What the user asked for.
 #[derive(Debug, Clone, Default)]
@@ -86,7 +67,8 @@ impl Scenario {
             forget_other_choice(&mut root, given, catalog, &mut notes);
             reader.noted(given.apply(&mut root));
         }
-        reader.known("", &root, SECTIONS);
+        let names = sections(catalog).into_iter().map(|section| section.name);
+        reader.known("", &root, &["name", "group"].into_iter().chain(names).collect::<Vec<_>>());
         let mut scenario = resolve(&mut reader, request, &root, catalog);
         reader.whole(())?;
         let own = request.scenario.iter().map(|path| absolute(Path::new(""), path));
@@ -246,6 +228,8 @@ fn own_groups(reader: &mut Reader, root: &Table, catalog: &Catalog) -> Vec<Group
             return Vec::new();
         }
     };
+    let names = sections(catalog).into_iter().filter(|s| s.grouped).map(|section| section.name);
+    let names: Vec<&str> = ["select"].into_iter().chain(names).collect();
     let mut groups = Vec::new();
     for (index, entry) in listed.iter().enumerate() {
         let path = format!("group.{index}");
@@ -253,7 +237,7 @@ fn own_groups(reader: &mut Reader, root: &Table, catalog: &Catalog) -> Vec<Group
             reader.note(entry.wrong(&path, "a table"));
             continue;
         };
-        reader.known(&path, own, GROUP_SECTIONS);
+        reader.known(&path, own, &names);
         if !own.contains_key("select") {
             reader.note(entry.wrong(&format!("{path}.select"), "a selector: select = \"type:bus*\""));
         }

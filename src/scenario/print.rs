@@ -4,17 +4,15 @@ use std::fmt::Write;
 
 use super::{
     catalog::Catalog,
+    layout::{Form, sections},
     model::{Choice, Group, Preset, Scenario},
     reader::wanted,
-    sections::{Coupling, Egos, Named, Output, PresetKeys, Traffic},
+    sections::{Egos, Named},
     spread::PerVehicle,
 };
 use crate::{
     keys::{Key, Keys, Kind, Value, Values},
-    measurement::NoiseKeys,
-    plant::{ActuatorKeys, BodyKeys},
     registry::Entry,
-    sumo_files::SumoSetup,
 };
 
 impl Scenario {
@@ -122,25 +120,21 @@ pub fn template(catalog: &Catalog) -> String {
          # File names are relative to this file.\n",
     );
     out.push_str(&keys(Named::keys(), ""));
-    let mut section = |header: &str, body: &str| {
-        let _ = write!(out, "\n[{header}]\n{body}");
-    };
-    section("sumo", &keys(SumoSetup::keys(), ""));
-    section("egos", &keys(Egos::keys(), ""));
-    let [choices @ .., (_, bodies)] = catalog.registries();
-    for (name, entries) in &choices {
-        section(name, &choice(entries));
-    }
-    let bodies: String = bodies.iter().map(|b| format!("# preset {}: {}\n", b.name, b.summary)).collect();
-    let drawn = "# Any number of [vehicle] and [actuator] can be drawn per vehicle:\n\
+    for section in sections(catalog) {
+        let _ = write!(out, "\n[{}]\n", section.name);
+        if section.name == "vehicle" {
+            out.extend(catalog.bodies.iter().map(|b| format!("# preset {}: {}\n", b.name, b.summary)));
+            out.push_str(
+                "# Any number of [vehicle] and [actuator] can be drawn per vehicle:\n\
                  # KEY = { distribution = \"normal\", mean = 1.0, std = 0.1, min = 0.5, max = 1.5 }  # min, max: default the range\n\
-                 # KEY = { distribution = \"uniform\", min = 0.5, max = 1.5 }\n";
-    section("vehicle", &(bodies + drawn + &keys(PresetKeys::keys(), "") + &keys(BodyKeys::keys(), "")));
-    section("actuator", &keys(ActuatorKeys::keys(), ""));
-    section("noise", &keys(NoiseKeys::keys(), ""));
-    section("traffic", &keys(Traffic::keys(), ""));
-    section("coupling", &keys(Coupling::keys(), ""));
-    section("output", &keys(Output::keys(), ""));
+                 # KEY = { distribution = \"uniform\", min = 0.5, max = 1.5 }\n",
+            );
+        }
+        out.push_str(&match section.form {
+            Form::Keys(own) | Form::Drawn(own) => keys(&own, ""),
+            Form::Choice(entries) => choice(&entries),
+        });
+    }
     out.push_str(
         "\n# Groups get their own settings; the first that matches a vehicle counts, keys left out are those above.\n\
          # [[group]]\n# select = \"class:bus\"\n# [group.vehicle]\n# preset = \"bus\"\n# [group.controller]\n# name = \"...\"\n",
