@@ -1,249 +1,165 @@
-//! The command line, as clap sees it.
+//! The command line: data on stdout, everything else on stderr, exit code 1 for whatever went wrong.
+//!
+//! A crate with a law, body, target or plant of its own gets the whole command line with it from a `main` of three lines:
+//! ```no_run
+//! # use sumo_mfc::{control::{self, Controller}, keys::NoKeys, scenario::Catalog};
+//! # fn law() -> sumo_mfc::registry::Entry<control::Build> { unimplemented!() }
+//! fn main() -> std::process::ExitCode {
+//!     let catalog = Catalog::installed().with_controller(law()).expect("a name of its own");
+//!     sumo_mfc::cli::main(&catalog)
+//! }
+//! ```
 
-use std::path::PathBuf;
+mod arguments;
 
-use clap::{Args, Parser, Subcommand};
-use sumo_mfc::scenario::{Override, Request};
+use std::{
+    collections::BTreeMap,
+    io::{ErrorKind, IsTerminal, Write},
+    path::Path,
+    process::ExitCode,
+};
 
-/// Gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller.
-#[derive(Debug, Parser)]
-#[command(name = "sumo-mfc", version, about, max_term_width = 110)]
-pub struct Cli {
-    /// What to do.
-    #[command(subcommand)]
-    pub command: Command,
+use arguments::{CheckArgs, Cli, Command, CompareArgs, PaperArgs, RunArgs};
+use clap::Parser;
+use miette::{IntoDiagnostic, MietteHandlerOpts};
+
+use crate::{
+    compare::{RunFailed, parse_seeds, run_all, terminal_table, write_comparison},
+    doctor, paper,
+    run::{self, RunError, RunOptions, SessionOptions, terminal_text},
+    scenario::{Catalog, Scenario, ScenarioError, schema, template},
+};
+
+/// Does what the arguments of the program ask for, with what `catalog` offers. Returns the exit code.
+pub fn main(catalog: &Catalog) -> ExitCode {
+    // Long paths stay whole, so that they can be copied and searched for.
+    let _ = miette::set_hook(Box::new(|_| Box::new(MietteHandlerOpts::new().wrap_lines(false).build())));
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(usage) => {
+            let _ = usage.print();
+            return ExitCode::from(u8::from(usage.use_stderr()));
+        }
+    };
+    let done = match cli.command {
+        Command::Run(args) => run(&args, catalog),
+        Command::Compare(args) => compare(&args, catalog),
+        Command::Check(args) => check(&args, catalog),
+        Command::Paper(args) => paper_tests(args),
+        Command::List => print(&catalog.lines()),
+        Command::Doctor => doctor(),
+    };
+    done.unwrap_or_else(|report| {
+        eprintln!("{report:?}");
+        ExitCode::FAILURE
+    })
 }
 
-/// The subcommands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// Run a scenario in SUMO and write error statistics per vehicle
-    Run(Box<RunArgs>),
-    /// Run a scenario with several controllers on the same traffic and compare them
-    Compare(Box<CompareArgs>),
-    /// Check a scenario and print it resolved, in SI units, as TOML
-    Check(Box<CheckArgs>),
-    /// Reproduce the experiments of the paper, without SUMO: figures, tables and one page
-    Paper(PaperArgs),
-    /// List controllers, targets, plants and bodies: kind, name, summary
-    List,
-    /// Find SUMO, make one real step, and check the coupling
-    Doctor,
+fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+    if args.verbose {
+        let to_stderr = tracing_subscriber::fmt().with_writer(std::io::stderr).with_max_level(tracing::Level::DEBUG);
+        to_stderr.init();
+    }
+    let scenario = Scenario::load(&args.scenario.request(), catalog)?;
+    if !args.quiet {
+        notes(&scenario.notes);
+    }
+    let options = RunOptions {
+        session: SessionOptions {
+            out_dir: args.out.clone().unwrap_or_else(|| scenario.default_folder()),
+            force: args.force,
+            profile: args.profile,
+            ..SessionOptions::default()
+        },
+        threads: args.threads.map(usize::from),
+        progress: !args.quiet && std::io::stderr().is_terminal(),
+    };
+    let result = match run::run(&scenario, &options) {
+        Err(RunError::Interrupted(signal)) => return Ok(ExitCode::from(signal.exit_code())),
+        done => done?,
+    };
+    if !args.quiet {
+        notes(&result.notes);
+    }
+    print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
+    if let Some(profile) = result.profile {
+        print(&profile.to_string())?;
+    }
+    Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
 }
 
-/// Which scenario, and what is different from its file.
-#[derive(Debug, Args)]
-pub struct ScenarioArgs {
-    /// A scenario (.toml) or any SUMO configuration (.sumocfg)
-    #[arg(value_name = "SCENARIO", conflicts_with_all = ["net", "routes"])]
-    scenario: Option<PathBuf>,
-    /// A SUMO network, in place of a scenario
-    #[arg(long, value_name = "FILE")]
-    net: Option<String>,
-    /// Route files for --net
-    #[arg(long, value_name = "FILE", num_args = 1.., requires = "net")]
-    routes: Vec<String>,
-    /// Speed controller (see `sumo-mfc list`)
-    #[arg(long, value_name = "NAME")]
-    controller: Option<String>,
-    /// Where the target speed comes from (see `sumo-mfc list`)
-    #[arg(long, value_name = "NAME")]
-    target: Option<String>,
-    /// Equipped vehicles: all | param | type:GLOB | id:REGEX | class:NAME | share:0.25
-    #[arg(long, value_name = "SELECTOR")]
-    egos: Option<String>,
-    /// Seed of SUMO and of everything drawn here
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    seed: Option<String>,
-    /// Simulation time at which the run ends (s)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    end: Option<String>,
-    /// SUMO's step length (s)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    step_length: Option<String>,
-    /// Averaging of a recording that is the target, 10 Hz or more (s); 0 = off
-    #[arg(long, value_name = "S")]
-    smooth_s: Option<f64>,
-    /// Any other key of the scenario, by its TOML path: controller.k_p=1.2
-    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
-    set: Vec<Override>,
-    /// Trace these vehicles (ids separated by commas) or all
-    #[arg(long, value_name = "IDS|all")]
-    trace: Option<String>,
-    /// Time between rows of the trace (s)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
-    trace_period: Option<String>,
-    /// Name of the table of vehicles; .csv, .parquet or .xml chooses the format
-    #[arg(long, value_name = "NAME")]
-    vehicles_output: Option<String>,
-    /// Name of the trace; .csv, .parquet or .xml chooses the format
-    #[arg(long, value_name = "NAME")]
-    trace_output: Option<String>,
-    /// Start sumo-gui
-    #[arg(long)]
-    gui: bool,
-    /// TraCI port
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    port: Option<String>,
-    /// TraCI clients that SUMO waits for, this one included
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
-    num_clients: Option<String>,
-    /// Join a SUMO that already runs
-    #[arg(long, value_name = "HOST:PORT")]
-    connect: Option<String>,
-    /// Options passed on to SUMO
-    #[arg(last = true, value_name = "SUMO-OPTIONS")]
-    sumo_options: Vec<String>,
+/// Paired runs: the same seed gives every controller the same traffic, vehicles and noise.
+fn compare(args: &CompareArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+    let seeds = parse_seeds(&args.seeds).into_diagnostic()?;
+    let mut pairs = args.controllers.iter().flat_map(|c| seeds.iter().map(move |s| (c, *s)));
+    // A misspelt controller must not show only after the others have run for an hour.
+    let scenarios = pairs.try_fold(BTreeMap::new(), |mut all, (controller, seed)| {
+        let scenario = Scenario::load(&args.scenario.request_for(controller, seed), catalog)?;
+        all.insert((controller.clone(), seed), scenario);
+        Ok::<_, ScenarioError>(all)
+    })?;
+    let first = scenarios.values().next().ok_or_else(|| miette::miette!("--controllers and --seeds name no run"))?;
+    if !args.quiet {
+        notes(&first.notes);
+    }
+    let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-compare", first.name)));
+    let compared = run_all(&args.controllers, &seeds, usize::from(args.jobs), |controller, seed| {
+        let options = RunOptions {
+            session: SessionOptions {
+                out_dir: folder.join(format!("{controller}-{seed}")),
+                force: args.force,
+                ..SessionOptions::default()
+            },
+            threads: (args.jobs > 1).then_some(1),
+            progress: args.jobs == 1 && !args.quiet && std::io::stderr().is_terminal(),
+        };
+        run::run(&scenarios[&(controller.to_owned(), seed)], &options)?.whole()
+    });
+    let rows = match compared {
+        Err(RunFailed { source: RunError::Interrupted(signal), .. }) => return Ok(ExitCode::from(signal.exit_code())),
+        compared => compared.into_diagnostic()?,
+    };
+    write_comparison(&folder, &rows).into_diagnostic()?;
+    print(&terminal_table(&rows))
 }
 
-/// `run`.
-#[derive(Debug, Args)]
-pub struct RunArgs {
-    #[command(flatten)]
-    pub scenario: ScenarioArgs,
-    /// Folder of the results [default: out/<scenario>-<controller>-<seed>]
-    #[arg(short, long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace a finished result
-    #[arg(long)]
-    pub force: bool,
-    /// Threads [default: all cores]
-    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Print where the time of a step goes
-    #[arg(long)]
-    pub profile: bool,
-    /// Only errors
-    #[arg(short, long, conflicts_with = "verbose")]
-    pub quiet: bool,
-    /// More about what happens
-    #[arg(short, long)]
-    pub verbose: bool,
+fn check(args: &CheckArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+    if args.template {
+        return print(&template(catalog));
+    }
+    if args.schema {
+        return print(&schema(catalog));
+    }
+    let scenario = Scenario::load(&args.scenario.request(), catalog)?;
+    notes(&scenario.notes);
+    print(&scenario.to_toml())
 }
 
-/// `compare`.
-#[derive(Debug, Args)]
-pub struct CompareArgs {
-    #[command(flatten)]
-    pub scenario: ScenarioArgs,
-    /// Controllers, separated by commas; differences are to the first
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "ideal,classic,adaptive,pid")]
-    pub controllers: Vec<String>,
-    /// Seeds: 1..5 (both included) or a list separated by commas
-    #[arg(long, value_name = "SEEDS", default_value = "1..5")]
-    pub seeds: String,
-    /// Runs at the same time
-    #[arg(short = 'j', long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
-    pub jobs: u16,
-    /// Folder of the results [default: out/<scenario>-compare]
-    #[arg(short, long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// Replace finished results
-    #[arg(long)]
-    pub force: bool,
-    /// Only errors
-    #[arg(short, long)]
-    pub quiet: bool,
+fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
+    let sets = args.overrides();
+    let PaperArgs { test, out, coarse, preset, driver, .. } = args;
+    let progress = std::io::stderr().is_terminal();
+    let page = out.join("index.html");
+    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets, coarse, progress })?;
+    print(&format!("{}{}\n", results.table(), page.display()))
 }
 
-/// `check`.
-#[derive(Debug, Args)]
-pub struct CheckArgs {
-    #[command(flatten)]
-    pub scenario: ScenarioArgs,
-    /// Print every key with its unit, range and default
-    #[arg(long)]
-    pub template: bool,
-    /// Print a JSON schema of the scenario file, for editors
-    #[arg(long, conflicts_with = "template")]
-    pub schema: bool,
+fn doctor() -> miette::Result<ExitCode> {
+    let report = doctor::examine(None);
+    print(&report.to_string())?;
+    Ok(if report.is_well() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// `paper`.
-#[derive(Debug, Args)]
-pub struct PaperArgs {
-    /// step, sine, driver, delay, disturb, map, or all but the map, which takes longest
-    #[arg(default_value = "all", value_name = "TEST")]
-    pub test: String,
-    /// Folder of the results
-    #[arg(short, long, value_name = "DIR", default_value = "out/paper")]
-    pub out: PathBuf,
-    /// The map on a coarse grid, to see that it works
-    #[arg(long)]
-    pub coarse: bool,
-    /// Only this preset of scenarios/paper/presets
-    #[arg(long, value_name = "NAME")]
-    pub preset: Option<String>,
-    /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see README)
-    #[arg(long, value_name = "FILE")]
-    pub driver: Option<PathBuf>,
-    /// Averaging of a recording of 10 Hz or more (s); 0 = off
-    #[arg(long, value_name = "S")]
-    smooth_s: Option<f64>,
-    /// Any key of the scenarios, by its TOML path: controller.k_p=1.2
-    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
-    pub set: Vec<Override>,
-}
-
-fn set(argument: &str) -> Result<Override, String> {
-    Override::set(argument).ok_or_else(|| "wanted KEY=VALUE, e.g. controller.k_p=1.2".to_owned())
-}
-
-fn smoothing(smooth_s: f64) -> Override {
-    Override::literal("--smooth-s", "target.smooth_s", smooth_s)
-}
-
-impl PaperArgs {
-    /// What is different from the files of the tests.
-    pub fn overrides(&self) -> Vec<Override> {
-        self.smooth_s.map(smoothing).into_iter().chain(self.set.iter().cloned()).collect()
+fn notes(notes: &[String]) {
+    for note in notes {
+        eprintln!("note: {note}");
     }
 }
 
-impl ScenarioArgs {
-    /// What the arguments ask for, with another controller and seed.
-    pub fn request_for(&self, controller: &str, seed: u64) -> Request {
-        self.request().with(Override::text("--controllers", "controller.name", controller)).with(Override::literal(
-            "--seeds",
-            "sumo.seed",
-            seed,
-        ))
-    }
-
-    /// What the arguments ask for. `--set` comes last, so that it can refine what the other options choose.
-    pub fn request(&self) -> Request {
-        let mut overrides = Vec::new();
-        let texts = [
-            ("--net", "sumo.net", &self.net),
-            ("--controller", "controller.name", &self.controller),
-            ("--target", "target.name", &self.target),
-            ("--egos", "egos.select", &self.egos),
-            ("--trace", "output.trace", &self.trace),
-            ("--vehicles-output", "output.vehicles", &self.vehicles_output),
-            ("--trace-output", "output.trace_file", &self.trace_output),
-            ("--connect", "sumo.connect", &self.connect),
-        ];
-        overrides.extend(texts.iter().filter_map(|(flag, path, v)| Some(Override::text(flag, path, v.as_ref()?))));
-        let numbers = [
-            ("--seed", "sumo.seed", &self.seed),
-            ("--end", "sumo.end_s", &self.end),
-            ("--step-length", "sumo.step_length_s", &self.step_length),
-            ("--trace-period", "output.trace_period_s", &self.trace_period),
-            ("--port", "sumo.port", &self.port),
-            ("--num-clients", "sumo.num_clients", &self.num_clients),
-        ];
-        overrides.extend(numbers.iter().filter_map(|(flag, path, v)| Some(Override::literal(flag, path, v.as_ref()?))));
-        if self.gui {
-            overrides.push(Override::literal("--gui", "sumo.gui", true));
-        }
-        if !self.routes.is_empty() {
-            overrides.push(Override::texts("--routes", "sumo.routes", &self.routes));
-        }
-        if !self.sumo_options.is_empty() {
-            overrides.push(Override::texts("--", "sumo.options", &self.sumo_options));
-        }
-        overrides.extend(self.smooth_s.map(smoothing));
-        overrides.extend(self.set.iter().cloned());
-        Request { scenario: self.scenario.clone(), overrides }
+/// Writes data to stdout. A reader that has seen enough (`| head`) is no error.
+fn print(text: &str) -> miette::Result<ExitCode> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(ExitCode::SUCCESS),
+        done => done.map(|()| ExitCode::SUCCESS).into_diagnostic(),
     }
 }

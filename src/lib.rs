@@ -4,7 +4,8 @@
 //! A module ("room") is a door file `src/control.rs` with its interior in `src/control/`. A room imports only from
 //! lower floors; `tests/tidy.rs` holds the code to it.
 //! ```text
-//! 6  main                                      the command line
+//! 7  main                                      the program
+//! 6  cli                                       the command line, for what a catalog offers
 //! 5  compare  paper  doctor                    many runs; the paper's experiments; is all well?
 //! 4  run                                       one scenario -> one result
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
@@ -15,6 +16,7 @@
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 
+pub mod cli;
 mod columns;
 pub mod compare;
 pub mod control;

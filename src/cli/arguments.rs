@@ -1,0 +1,250 @@
+//! The arguments of the command line, as clap sees them.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::scenario::{Override, Request};
+
+/// Gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller.
+#[derive(Debug, Parser)]
+#[command(name = "sumo-mfc", version, about, max_term_width = 110)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scenario in SUMO and write error statistics per vehicle
+    Run(Box<RunArgs>),
+    /// Run a scenario with several controllers on the same traffic and compare them
+    Compare(Box<CompareArgs>),
+    /// Check a scenario and print it resolved, in SI units, as TOML
+    Check(Box<CheckArgs>),
+    /// Reproduce the experiments of the paper, without SUMO: figures, tables and one page
+    Paper(PaperArgs),
+    /// List controllers, targets, plants and bodies: kind, name, summary
+    List,
+    /// Find SUMO, make one real step, and check the coupling
+    Doctor,
+}
+
+/// Which scenario, and what is different from its file.
+#[derive(Debug, Args)]
+pub struct ScenarioArgs {
+    /// A scenario (.toml) or any SUMO configuration (.sumocfg)
+    #[arg(value_name = "SCENARIO", conflicts_with_all = ["net", "routes"])]
+    scenario: Option<PathBuf>,
+    /// A SUMO network, in place of a scenario
+    #[arg(long, value_name = "FILE")]
+    net: Option<String>,
+    /// Route files for --net
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "net")]
+    routes: Vec<String>,
+    /// Speed controller (see `sumo-mfc list`)
+    #[arg(long, value_name = "NAME")]
+    controller: Option<String>,
+    /// Where the target speed comes from (see `sumo-mfc list`)
+    #[arg(long, value_name = "NAME")]
+    target: Option<String>,
+    /// Equipped vehicles: all | param | type:GLOB | id:REGEX | class:NAME | share:0.25
+    #[arg(long, value_name = "SELECTOR")]
+    egos: Option<String>,
+    /// Seed of SUMO and of everything drawn here
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    seed: Option<String>,
+    /// Simulation time at which the run ends (s)
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    end: Option<String>,
+    /// SUMO's step length (s)
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    step_length: Option<String>,
+    /// Averaging of a recording that is the target, 10 Hz or more (s); 0 = off
+    #[arg(long, value_name = "S")]
+    smooth_s: Option<f64>,
+    /// Any other key of the scenario, by its TOML path: controller.k_p=1.2
+    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
+    set: Vec<Override>,
+    /// Trace these vehicles (ids separated by commas) or all
+    #[arg(long, value_name = "IDS|all")]
+    trace: Option<String>,
+    /// Time between rows of the trace (s)
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    trace_period: Option<String>,
+    /// Name of the table of vehicles; .csv, .parquet or .xml chooses the format
+    #[arg(long, value_name = "NAME")]
+    vehicles_output: Option<String>,
+    /// Name of the trace; .csv, .parquet or .xml chooses the format
+    #[arg(long, value_name = "NAME")]
+    trace_output: Option<String>,
+    /// Start sumo-gui
+    #[arg(long)]
+    gui: bool,
+    /// TraCI port
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    port: Option<String>,
+    /// TraCI clients that SUMO waits for, this one included
+    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    num_clients: Option<String>,
+    /// Join a SUMO that already runs
+    #[arg(long, value_name = "HOST:PORT")]
+    connect: Option<String>,
+    /// Options passed on to SUMO
+    #[arg(last = true, value_name = "SUMO-OPTIONS")]
+    sumo_options: Vec<String>,
+}
+
+/// `run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Folder of the results [default: out/<scenario>-<controller>-<seed>]
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace a finished result
+    #[arg(long)]
+    pub force: bool,
+    /// Threads [default: all cores]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print where the time of a step goes
+    #[arg(long)]
+    pub profile: bool,
+    /// Only errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// More about what happens
+    #[arg(short, long)]
+    pub verbose: bool,
+}
+
+/// `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Controllers, separated by commas; differences are to the first
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "ideal,classic,adaptive,pid")]
+    pub controllers: Vec<String>,
+    /// Seeds: 1..5 (both included) or a list separated by commas
+    #[arg(long, value_name = "SEEDS", default_value = "1..5")]
+    pub seeds: String,
+    /// Runs at the same time
+    #[arg(short = 'j', long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: u16,
+    /// Folder of the results [default: out/<scenario>-compare]
+    #[arg(short, long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Replace finished results
+    #[arg(long)]
+    pub force: bool,
+    /// Only errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    pub scenario: ScenarioArgs,
+    /// Print every key with its unit, range and default
+    #[arg(long)]
+    pub template: bool,
+    /// Print a JSON schema of the scenario file, for editors
+    #[arg(long, conflicts_with = "template")]
+    pub schema: bool,
+}
+
+/// `paper`.
+#[derive(Debug, Args)]
+pub struct PaperArgs {
+    /// step, sine, driver, delay, disturb, map, or all but the map, which takes longest
+    #[arg(default_value = "all", value_name = "TEST")]
+    pub test: String,
+    /// Folder of the results
+    #[arg(short, long, value_name = "DIR", default_value = "out/paper")]
+    pub out: PathBuf,
+    /// The map on a coarse grid, to see that it works
+    #[arg(long)]
+    pub coarse: bool,
+    /// Only this preset of scenarios/paper/presets
+    #[arg(long, value_name = "NAME")]
+    pub preset: Option<String>,
+    /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see README)
+    #[arg(long, value_name = "FILE")]
+    pub driver: Option<PathBuf>,
+    /// Averaging of a recording of 10 Hz or more (s); 0 = off
+    #[arg(long, value_name = "S")]
+    smooth_s: Option<f64>,
+    /// Any key of the scenarios, by its TOML path: controller.k_p=1.2
+    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
+    pub set: Vec<Override>,
+}
+
+fn set(argument: &str) -> Result<Override, String> {
+    Override::set(argument).ok_or_else(|| "wanted KEY=VALUE, e.g. controller.k_p=1.2".to_owned())
+}
+
+fn smoothing(smooth_s: f64) -> Override {
+    Override::literal("--smooth-s", "target.smooth_s", smooth_s)
+}
+
+impl PaperArgs {
+    /// What is different from the files of the tests.
+    pub fn overrides(&self) -> Vec<Override> {
+        self.smooth_s.map(smoothing).into_iter().chain(self.set.iter().cloned()).collect()
+    }
+}
+
+impl ScenarioArgs {
+    /// What the arguments ask for, with another controller and seed.
+    pub fn request_for(&self, controller: &str, seed: u64) -> Request {
+        self.request().with(Override::text("--controllers", "controller.name", controller)).with(Override::literal(
+            "--seeds",
+            "sumo.seed",
+            seed,
+        ))
+    }
+
+    /// What the arguments ask for. `--set` comes last, so that it can refine what the other options choose.
+    pub fn request(&self) -> Request {
+        let mut overrides = Vec::new();
+        let texts = [
+            ("--net", "sumo.net", &self.net),
+            ("--controller", "controller.name", &self.controller),
+            ("--target", "target.name", &self.target),
+            ("--egos", "egos.select", &self.egos),
+            ("--trace", "output.trace", &self.trace),
+            ("--vehicles-output", "output.vehicles", &self.vehicles_output),
+            ("--trace-output", "output.trace_file", &self.trace_output),
+            ("--connect", "sumo.connect", &self.connect),
+        ];
+        overrides.extend(texts.iter().filter_map(|(flag, path, v)| Some(Override::text(flag, path, v.as_ref()?))));
+        let numbers = [
+            ("--seed", "sumo.seed", &self.seed),
+            ("--end", "sumo.end_s", &self.end),
+            ("--step-length", "sumo.step_length_s", &self.step_length),
+            ("--trace-period", "output.trace_period_s", &self.trace_period),
+            ("--port", "sumo.port", &self.port),
+            ("--num-clients", "sumo.num_clients", &self.num_clients),
+        ];
+        overrides.extend(numbers.iter().filter_map(|(flag, path, v)| Some(Override::literal(flag, path, v.as_ref()?))));
+        if self.gui {
+            overrides.push(Override::literal("--gui", "sumo.gui", true));
+        }
+        if !self.routes.is_empty() {
+            overrides.push(Override::texts("--routes", "sumo.routes", &self.routes));
+        }
+        if !self.sumo_options.is_empty() {
+            overrides.push(Override::texts("--", "sumo.options", &self.sumo_options));
+        }
+        overrides.extend(self.smooth_s.map(smoothing));
+        overrides.extend(self.set.iter().cloned());
+        Request { scenario: self.scenario.clone(), overrides }
+    }
+}
