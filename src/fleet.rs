@@ -6,6 +6,7 @@
 //! results stay the same to the last bit.
 
 pub mod block;
+mod driver;
 pub mod follow;
 mod setup;
 pub mod steering;

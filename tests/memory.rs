@@ -129,7 +129,6 @@ fn bytes_per_vehicle(dead_time_max_s: f64) -> i64 {
             VehicleSetup {
                 nominal_nm_per_mps2: body.nominal_nm_per_mps2(),
                 actuator: ActuatorSetup { dead_time_s: dead_time_max_s, lag_s: 0.0 },
-                accel_mps2: 2.6,
                 noise: Some((Stream::new(1, "noise", &i.to_string()), 0.5)),
                 speed_mps: 10.0,
                 body: body.clone(),

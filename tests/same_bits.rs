@@ -18,7 +18,6 @@ fn vehicle(number: usize) -> VehicleSetup {
     VehicleSetup {
         nominal_nm_per_mps2: body.nominal_nm_per_mps2(),
         actuator: ActuatorSetup { dead_time_s: 0.013 * (number % 7) as f64, lag_s: 0.02 * (number % 3) as f64 },
-        accel_mps2: 2.6,
         noise: (number.is_multiple_of(2)).then(|| (Stream::new(5, "noise", &number.to_string()), 0.3)),
         speed_mps: (number % 15) as f64,
         body,

@@ -62,6 +62,8 @@ pub struct Newcomer {
     pub departed: Departed,
     /// Index of its group.
     pub group: usize,
+    /// Time between two decisions of its driver \[s\].
+    pub action_step_s: f64,
     /// Its body.
     pub setup: VehicleSetup,
 }
@@ -192,7 +194,7 @@ impl Admission {
         let Rules { groups, tyre_curves, seed, .. } = &self.rules;
         let curve = tyre_curves[group].as_deref();
         let setup = bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
-        Ok(Some(Newcomer { departed, group, setup }))
+        Ok(Some(Newcomer { departed, group, action_step_s: facts.action_step_s, setup }))
     }
 }
 
@@ -248,6 +250,7 @@ impl Question for TypeQuestion {
         let length_m = gets.number(vehicletype::LENGTH);
         let accel_mps2 = gets.number(vehicletype::ACCEL);
         let emergency_decel_mps2 = gets.number(vehicletype::EMERGENCY_DECEL);
+        let action_step_s = gets.number(vehicletype::ACTION_STEP_LENGTH);
         // Older SUMO knows no mass; then the preset's stands.
         let mass_kg = gets.number(vehicletype::MASS);
         let equipped = gets.parameter(vehicletype::PARAMETER, "has.mfc.device").and_then(|text| text.parse().ok());
@@ -260,6 +263,7 @@ impl Question for TypeQuestion {
             mass_kg,
             accel_mps2: accel_mps2?,
             emergency_decel_mps2: emergency_decel_mps2?,
+            action_step_s: action_step_s?,
             parameters,
             equipped,
             probability,

@@ -23,6 +23,8 @@ pub struct TypeFacts {
     pub accel_mps2: f64,
     /// Hardest braking [m/s²].
     pub emergency_decel_mps2: f64,
+    /// Time between two decisions of SUMO's driver \[s\].
+    pub action_step_s: f64,
     /// `mfc.*` parameters, by index of [`parameter_keys`].
     pub parameters: Vec<(usize, String)>,
     /// `has.mfc.device`.
@@ -102,8 +104,7 @@ pub fn vehicle(
     let actuator = ActuatorKeys::from_values(&actuator);
     let actuator = ActuatorSetup { dead_time_s: actuator.delay_s, lag_s: actuator.lag_s };
     let noise = group.noise.power_db.map(|db| (Stream::new(seed, "noise", id), sigma_mps(db)));
-    let accel_mps2 = facts.accel_mps2;
-    Ok(VehicleSetup { body, nominal_nm_per_mps2, actuator, accel_mps2, noise, speed_mps })
+    Ok(VehicleSetup { body, nominal_nm_per_mps2, actuator, noise, speed_mps })
 }
 
 /// A bus or truck of another mass and length than the preset's: axles move with the length, inertia with both, and the

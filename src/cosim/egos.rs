@@ -39,6 +39,8 @@ pub struct Ego {
     pub road: Option<u32>,
     /// Set if its body leads.
     pub leader: Option<Leader>,
+    /// True if its driver decides less often than SUMO steps, and keeps an acceleration in between.
+    pub keeps_plan: bool,
     /// Driver imperfection before the scenario changed it.
     pub imperfection_before: Option<f64>,
 }

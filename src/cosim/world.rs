@@ -153,7 +153,7 @@ impl<S: Sumo> World<S> {
 
     /// Gives a slot and a body to every vehicle that has departed and is to be an ego.
     async fn admit_newcomers(&mut self) -> Result<(), CosimError> {
-        for Newcomer { departed, group, setup } in
+        for Newcomer { departed, group, action_step_s, setup } in
             self.admission.decide(&mut self.sumo, &mut self.records.counters).await?
         {
             let speed_mps = setup.speed_mps;
@@ -178,6 +178,7 @@ impl<S: Sumo> World<S> {
                 odometer_gap_m: None,
                 road: None,
                 leader,
+                keeps_plan: action_step_s > 1.5 * self.step_s,
                 imperfection_before: departed.imperfection,
             });
         }
@@ -214,10 +215,12 @@ impl<S: Sumo> World<S> {
         Ok(())
     }
 
-    /// The body's speed and mean acceleration over the last step.
+    /// The body's speed and mean acceleration over the last step. Between the decisions of a driver SUMO goes on with the
+    /// acceleration that it is told: then that is the driver's own.
     fn speed_of(&self, ego: &Ego) -> Tell {
         let (block, lane) = (self.fleet.block(ego.slot), ego.slot.lane());
-        Tell::PreviousSpeed(block.speed_mps(lane), block.acceleration_mps2(lane))
+        let acceleration_mps2 = if ego.keeps_plan { block.asked_mps2(lane) } else { block.acceleration_mps2(lane) };
+        Tell::PreviousSpeed(block.speed_mps(lane), acceleration_mps2)
     }
 
     /// Asks about every ego, chunk by chunk.

@@ -1,6 +1,7 @@
 //! Sixteen vehicles side by side: their plant, controller, actuators, measurement and statistics, and the order in
 //! which these work in one control period.
 
+use super::driver::{Driver, Ramp, SumoStep};
 use super::follow::{Bound, Follow};
 use super::setup::{ActuatorSetup, LoopConfig, VehicleSetup};
 use super::steering::Steering;
@@ -14,9 +15,6 @@ use crate::stopwatch::Stopwatch;
 
 /// Slower than this and wanted at rest: the brake holds and all states are exactly 0 [m/s].
 pub const HOLD_BELOW_MPS: f64 = 0.05;
-
-/// From this share of accel on, SUMO's demand counts as all that the driver gives.
-const DRIVER_LIMIT: f64 = 0.999;
 
 /// The parts of a block's work, as its stopwatch books them.
 pub(super) const CONTROL: usize = 0;
@@ -49,15 +47,13 @@ columns! {
             controller: Box<dyn Controller> = controller,
             actuators: Actuators = Actuators::new(period_s, dead_time_max_s),
             measurement: Measurement = Measurement::default(),
+            driver: Driver = Driver::default(),
             /// How each slot is steered.
             pub steering: Steering = Steering::default(),
             stats: StatsBlock = StatsBlock::new(period_s),
         }
         columns {
             nominal_nm_per_mps2: f64 = 1.0,
-            /// What counts as all that the driver gives: a little less than the vType's accel.
-            accel_mps2: f64 = f64::INFINITY,
-            last_target_mps: f64 = f64::NAN,
             occupied: f64 = 0.0,
             /// 1 = on the road; 0 = free, or teleporting.
             present: f64 = 0.0,
@@ -96,12 +92,14 @@ impl Block {
         self.clear(slot);
         let body = &vehicle.body;
         self.nominal_nm_per_mps2[slot] = vehicle.nominal_nm_per_mps2;
-        self.accel_mps2[slot] = vehicle.accel_mps2 * DRIVER_LIMIT;
         let ActuatorSetup { dead_time_s, lag_s } = vehicle.actuator;
         self.actuators.set(slot, dead_time_s, lag_s, body.drive_torque_max_nm, body.brake_torque_max_nm);
         let friction = body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b));
         self.steering.set(slot, body.wheelbase_m(), body.understeer_gradient(), friction);
         self.plant.set_body(slot, body);
+        if !self.controller.is_ideal() {
+            self.driver.set_limits(slot, self.acceleration_limits_mps2(slot));
+        }
         let (stream, sigma_mps) = vehicle.noise.map_or((None, 0.0), |(stream, sigma)| (Some(stream), sigma));
         self.measurement.set(slot, stream, sigma_mps);
         self.occupied[slot] = 1.0;
@@ -121,7 +119,7 @@ impl Block {
         self.stats.rejoin(slot, speed_mps);
         self.held[slot] = 0.0;
         self.target_mps[slot] = speed_mps;
-        self.last_target_mps[slot] = f64::NAN;
+        self.driver.appear(slot, speed_mps);
         self.reference_mps[slot] = speed_mps;
         self.measured_mps[slot] = speed_mps;
         self.acceleration_mps2[slot] = 0.0;
@@ -202,6 +200,11 @@ impl Block {
         self.plant.vx_mps[slot]
     }
 
+    /// Acceleration that SUMO asked for in the last step [m/s²].
+    pub fn asked_mps2(&self, slot: usize) -> f64 {
+        self.driver.asked_mps2(slot)
+    }
+
     /// Mean acceleration of the last step [m/s²].
     pub fn acceleration_mps2(&self, slot: usize) -> f64 {
         self.acceleration_mps2[slot]
@@ -276,25 +279,13 @@ impl Block {
         self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - before_mps[i]) / step_s);
     }
 
-    /// The reference is a ramp from its own last value, kept near the plant. SUMO asks for a* = (v* − V)/dt of the
-    /// plant. While the driver accelerates as hard as he ever does, and while he brakes for something, v* is V plus what
-    /// he wants to add, and the ramp is y_r(τ) = y_r0 + a*τ: without that memory a sluggish controller's error would be
-    /// forgotten in every step and show up as lost acceleration. On a plateau (v* has not changed, or is nearer than
-    /// accel reaches) v* is the speed that is wanted, and the ramp ends there: to go on adding v* − V would integrate
-    /// the error, and a plant with dead time would swing about a constant v* for ever.
+    /// The reference is the ramp of [`Driver::ramp`].
     fn step_traffic(&mut self, config: &LoopConfig, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
-        let mut start_mps = [0.0; LANES];
-        let mut rate_mps2 = [0.0; LANES];
-        let mut lead_limited = [0.0; LANES];
-        for i in 0..LANES {
-            let (low, high) = (before_mps[i] - config.reference_bound_mps, before_mps[i] + config.reference_bound_mps);
-            start_mps[i] = self.reference_mps[i].max(low).min(high);
-            lead_limited[i] = if start_mps[i] == self.reference_mps[i] { 0.0 } else { 1.0 };
-            let asked_mps2 = (self.target_mps[i] - before_mps[i]) / step_s;
-            let same = self.target_mps[i] == self.last_target_mps[i];
-            let plateau = same || (asked_mps2 >= 0.0 && asked_mps2 < self.accel_mps2[i]);
-            rate_mps2[i] = if plateau { (self.target_mps[i] - start_mps[i]) / step_s } else { asked_mps2 };
-        }
+        let ramps: [Ramp; LANES] = std::array::from_fn(|i| {
+            let step = SumoStep { target_mps: self.target_mps[i], speed_mps: before_mps[i], step_s };
+            self.driver.ramp(i, step, self.reference_mps[i], config.reference_bound_mps)
+        });
+        let (start_mps, rate_mps2) = (ramps.map(|r| r.start_mps), ramps.map(|r| r.rate_mps2));
         let rest = self.target_mps.map(|v| if v == 0.0 { 1.0 } else { 0.0 });
         self.held = std::array::from_fn(|i| self.held[i] * rest[i]);
         for k in 0..periods {
@@ -311,8 +302,7 @@ impl Block {
                 self.reference_mps[i] = self.target_mps[i];
             }
         }
-        self.last_target_mps = self.target_mps;
-        lead_limited
+        ramps.map(|r| f64::from(u8::from(r.limited)))
     }
 
     /// The reference is the target, or a profile below it, at each control period's own place and time.

@@ -22,8 +22,6 @@ pub struct VehicleSetup {
     pub nominal_nm_per_mps2: f64,
     /// Actuators.
     pub actuator: ActuatorSetup,
-    /// The vType's accel, the most that SUMO's driver asks for [m/s²].
-    pub accel_mps2: f64,
     /// Noise on the measured speed: the vehicle's stream and σ [m/s].
     pub noise: Option<(Stream, f64)>,
     /// Speed at which it enters [m/s].

@@ -73,6 +73,7 @@ impl Scenario {
         reader.whole(())?;
         let own = request.scenario.iter().map(|path| absolute(Path::new(""), path));
         scenario.inputs = own.chain(files(&scenario)).collect();
+        scenario.sumo.contacts.get_or_insert(scenario.groups.iter().any(Group::has_body));
         let sumo = reader.section(&root, "sumo", "sumo");
         let place = |key: &str| sumo.get(key).map(|entry| entry.place.clone());
         let open = LeftOpen { seed: !sumo.contains_key("seed"), ballistic: !sumo.contains_key("ballistic") };

@@ -104,6 +104,13 @@ impl Group {
     pub fn of(groups: &[Self], ego: &EgoInfo<'_>, seed: u64) -> Option<usize> {
         groups.iter().position(|group| group.select.matches(ego, seed))
     }
+
+    /// Whether its egos drive a body: whether they have a controller.
+    pub fn has_body(&self) -> bool {
+        const ANY_PERIOD_S: f64 = 0.01;
+        let controller = (self.controller.entry.build)(&self.controller.values, ANY_PERIOD_S);
+        controller.is_some_and(|controller| !controller.is_ideal())
+    }
 }
 
 impl Scenario {

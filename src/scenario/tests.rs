@@ -252,8 +252,15 @@ fn overridden_stepping_is_announced_in_one_line() {
         "{note}"
     );
     let ours = "<step-length value=\"0.1\"/><step-method.ballistic value=\"true\"/>";
-    assert_eq!(notes(ours, &[]), Vec::<String>::new());
-    assert_eq!(notes("", &["sumo.step_length_s=1", "sumo.ballistic=false"]), Vec::<String>::new());
+    let ours = format!("{ours}<collision.mingap-factor value=\"0\"/>");
+    assert_eq!(notes(&ours, &[]), Vec::<String>::new());
+    let theirs = ["sumo.step_length_s=1", "sumo.ballistic=false"];
+    let [note] = notes("", &theirs).try_into().unwrap();
+    assert!(
+        note.ends_with("collisions are contacts instead of gaps below minGap (-- --collision.mingap-factor decides)")
+    );
+    let gaps = notes(&ours.replace("\"0\"", "\"0.5\""), &[]);
+    assert!(gaps[0].contains("collisions are gaps below 0.5 minGap, as it says"), "{gaps:?}");
     let random = notes(&format!("{ours}<random value=\"true\"/>"), &[]);
     assert!(random[0].contains("seed 23423 instead of a random one"), "{random:?}");
 }

@@ -79,6 +79,9 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     if setup.num_clients > 1 || settings.value("num-clients").is_some() {
         line.push("num-clients", &setup.num_clients.to_string());
     }
+    if setup.contacts == Some(true) && settings.value("collision.mingap-factor").is_none() {
+        line.push("collision.mingap-factor", "0");
+    }
     line.push("no-step-log", "true");
     if setup.gui {
         line.push("start", "true");

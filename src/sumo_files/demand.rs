@@ -180,6 +180,15 @@ fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Opti
     if let Some(theirs) = clients {
         changes.push(format!("{} TraCI clients instead of {theirs} (--num-clients decides)", setup.num_clients));
     }
+    match settings.value("collision.mingap-factor") {
+        None if setup.contacts == Some(true) => changes.push(
+            "collisions are contacts instead of gaps below minGap (-- --collision.mingap-factor decides)".to_owned(),
+        ),
+        Some(factor) if setup.contacts == Some(true) && factor.parse() != Ok(0.0) => {
+            changes.push(format!("collisions are gaps below {factor} minGap, as it says (0 counts contacts)"));
+        }
+        _ => {}
+    }
     (!changes.is_empty()).then(|| format!("{}: {}", configuration.origin.name, changes.join(", ")))
 }
 

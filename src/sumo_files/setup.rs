@@ -23,6 +23,8 @@ keys! {
         seed: u64 = 23423, "-", 0..=i32::MAX;
         /// SUMO moves vehicles by the mean of old and new speed, as the body does
         ballistic: bool = true;
+        /// only vehicles that touch collide (collision.mingap-factor 0); not set = where any ego has a body
+        contacts: Option<bool>;
         /// further options of SUMO
         options: Vec<String>;
         /// start sumo-gui instead of sumo

@@ -97,8 +97,7 @@ fn fleet(name: &'static str, vehicles: usize) -> impl FnMut() {
             let nominal_nm_per_mps2 = body.nominal_nm_per_mps2();
             let (actuator, speed_mps) = (ActuatorSetup::default(), 5.0 + (i % 10) as f64);
             let body = body.clone();
-            fleet
-                .admit(0, VehicleSetup { body, nominal_nm_per_mps2, actuator, accel_mps2: 2.6, noise: None, speed_mps })
+            fleet.admit(0, VehicleSetup { body, nominal_nm_per_mps2, actuator, noise: None, speed_mps })
         })
         .collect();
     let mut step = 0_u32;

@@ -95,3 +95,24 @@ fn clients_that_the_configuration_waits_for_are_not_waited_for() {
         result.ended.stderr
     );
 }
+
+/// A car with dead time halts nearer than its minGap behind another one: that is no collision unless the user says so.
+#[test]
+fn collisions_are_contacts_unless_the_user_says_otherwise() {
+    let folder = tempfile::tempdir().unwrap();
+    let demand = format!(
+        r#"{CAR}<vehicle id="first" type="car" depart="0" departPos="400"><route edges="ab bc"/><stop lane="ab_0" endPos="700" duration="60"/></vehicle>
+        <vehicle id="ego" type="car" depart="0" departPos="0" departSpeed="20"><route edges="ab bc"/></vehicle>"#
+    );
+    let config = straight_road(folder.path(), &demand);
+    let late = ["--controller", "pid", "--set", "actuator.delay_s=0.4", "--end", "120"];
+    let contacts = run(NEW, &config, &late);
+    assert!(contacts.ended.stderr.contains("collisions are contacts instead of gaps below minGap"));
+    assert_eq!((contacts.sumo("collisions"), contacts.sumo("teleports")), (0.0, 0.0));
+    assert_eq!(contacts.vehicle("ego")["collisions"], "0");
+    let gaps = run(NEW, &config, &[&late[..], &["--", "--collision.mingap-factor", "1"]].concat());
+    assert_eq!(gaps.sumo("collisions"), 1.0, "the car should have come nearer than minGap");
+    assert!(gaps.ended.stderr.contains("gaps below 1 minGap, as it says"), "{}", gaps.ended.stderr);
+    let ideal = run(NEW, &config, &["--controller", "ideal", "--end", "120"]);
+    assert!(!ideal.ended.stderr.contains("contacts"), "{}", ideal.ended.stderr);
+}
