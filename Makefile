@@ -1,7 +1,7 @@
 # make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test bytes bench setup setup-test clean
+.PHONY: help demo test bytes matrix bench setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
@@ -19,6 +19,9 @@ test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.
 bytes: setup-test ## Compare the bytes of eight simulations and the paper's tests with the recorded ones
 	cargo build --release --locked
 	tests/bytes.sh target/release/sumo-mfc target/bytes --check
+
+matrix: setup-test ## Every controller in seventeen conditions on four networks beside `ideal`, one line per run (an hour)
+	cargo test --release --locked --test matrix -- --ignored --nocapture
 
 bench: ## The benchmarks, one line per figure; the last against real SUMO at up to 20 000 cars (half an hour)
 	.ci/with-sumo cargo bench --locked
