@@ -8,6 +8,7 @@
 //! 6  cli                                       the command line, for what a catalog offers
 //! 5  compare  paper  doctor                    many runs; the paper's experiments; is all well?
 //! 4  run                                       one scenario -> one result
+//!    offline                                   vehicles along a profile, without SUMO
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
 //! 1  sumo_files                                SUMO's configuration, options, demand, outputs
@@ -26,6 +27,7 @@ pub mod fleet;
 pub mod keys;
 pub mod lanes;
 pub mod measurement;
+pub mod offline;
 pub mod output;
 pub mod paper;
 mod place;

@@ -2,7 +2,7 @@
 //!
 //! The paper leaves much open (vehicle, control period, K_P, torque scale and limits, the steps, the recording). A *preset* is one
 //! choice of all that; every test runs under every preset, so that nothing is picked test by test. The vehicles drive in
-//! the fleet that `run` uses ([`world`]). One file per test; [`TESTS`] lists them.
+//! the fleet that `run` uses ([`crate::offline`]). One file per test; [`TESTS`] lists them.
 
 pub mod claims;
 pub mod disturb;
@@ -19,13 +19,10 @@ pub mod results;
 pub mod series;
 pub mod sine;
 pub mod step;
-pub mod world;
 
 use crate::control;
-use crate::cosim::CosimError;
-use crate::reference::ReferenceError;
+use crate::offline::OfflineError;
 use crate::registry::{Entry, UnknownName, find};
-use crate::run::RunError;
 use crate::scenario::{Override, ScenarioError};
 use figure::Figure;
 use library::{Library, Preset};
@@ -143,22 +140,14 @@ pub enum PaperError {
     /// A test or preset that does not exist.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
-    /// The target is no profile, or one without an end where an end is needed.
-    #[error("target: wanted a profile with an end (target.name = \"profile\")")]
-    NoProfile,
     /// The scenario.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scenario(Box<ScenarioError>),
-    /// The profile.
-    #[error("[target]: {0}")]
-    Reference(#[from] ReferenceError),
-    /// The vehicle.
+    /// The drive.
     #[error(transparent)]
-    Vehicle(#[from] CosimError),
-    /// A name of a registry, a plant or controller.
-    #[error(transparent)]
-    Run(Box<RunError>),
+    #[diagnostic(transparent)]
+    Offline(Box<OfflineError>),
 }
 
 impl From<ScenarioError> for PaperError {
@@ -167,9 +156,9 @@ impl From<ScenarioError> for PaperError {
     }
 }
 
-impl From<RunError> for PaperError {
-    fn from(error: RunError) -> Self {
-        Self::Run(Box::new(error))
+impl From<OfflineError> for PaperError {
+    fn from(error: OfflineError) -> Self {
+        Self::Offline(Box::new(error))
     }
 }
 

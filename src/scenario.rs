@@ -7,6 +7,7 @@
 mod catalog;
 mod document;
 mod error;
+mod fleet;
 mod layout;
 mod load;
 mod model;

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 use std::sync::Arc;
+use sumo_mfc::offline::{End, Road, Trip, Vehicle};
 use sumo_mfc::paper::library::Library;
-use sumo_mfc::paper::world::{End, Trip, World};
 use sumo_mfc::paper::{CONTROLLERS, Lab, step};
 use sumo_mfc::random::Stream;
 use sumo_mfc::scenario::{Override, Scenario};
@@ -161,7 +161,7 @@ impl Choice {
         let (mut overshoots, mut errors, mut sines) = (Vec::new(), Vec::new(), Vec::new());
         for controller in CONTROLLERS {
             let scenario = self.scenario(lab, "step", controller, &[])?;
-            let drive = step::drive(&World::new(&scenario).ok()?, 0).ok()?;
+            let drive = step::drive(&Road::new(&scenario).ok()?, 0).ok()?;
             overshoots.extend(drive.responses[0].map(|r| r.overshoot));
             if (overshoots[0] - 19.5).abs() > 5.0 {
                 return None;
@@ -197,12 +197,12 @@ impl Choice {
             })
             .collect::<Option<_>>()?;
         for scenario in &scenarios {
-            let delayed = World::new(scenario).ok()?.whole_trips(1).ok()?.pop()?;
+            let delayed = Road::new(scenario).ok()?.whole_trips(1).ok()?.pop()?;
             let mut prompt = Trip { profile: Arc::clone(&delayed.profile), ..delayed.clone() };
             prompt.vehicle.actuator.dead_time_s = 0.0;
             trips.extend([prompt, delayed]);
         }
-        let outcomes = World::new(&scenarios[0]).ok()?.drive(&trips, |_, _, _, _| {}).ok()?;
+        let outcomes = Road::new(&scenarios[0]).ok()?.drive(&trips, |_| {});
         let rms: Vec<f64> = outcomes.iter().map(|o| o.stats.error_rms).collect::<Option<_>>()?;
         Some(rms.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
     }
@@ -210,16 +210,17 @@ impl Choice {
     /// Overshoot in the first oscillation, without noise [%].
     fn sine_overshoot(&self, lab: &Lab, controller: &str) -> Option<f64> {
         let scenario = self.scenario(lab, "sine", controller, &[])?;
-        let world = World::new(&scenario).ok()?;
+        let road = Road::new(&scenario).ok()?;
         let wave_m = scenario.groups[0].target.values.get::<f64>("sine_wavelength_m").unwrap();
         let (mut reached, mut over) = (false, 0.0_f64);
-        let trips = world.trips(0, 0.0, End::Distance(wave_m)).ok()?;
-        let watch = |_, block: &mut sumo_mfc::fleet::block::Block, lane, _| {
-            let relative = block.speed_mps(lane) / block.reference_mps(lane) - 1.0;
+        let trips = road.trips(0, 0.0, End::Distance(wave_m)).ok()?;
+        let watch = |vehicle: &mut Vehicle| {
+            let moment = vehicle.moment();
+            let relative = moment.speed_mps / moment.reference_mps - 1.0;
             reached |= relative >= 0.0;
             over = if reached { over.max(relative) } else { over };
         };
-        world.drive(&trips, watch).ok()?;
+        road.drive(&trips, watch);
         Some(100.0 * over)
     }
 

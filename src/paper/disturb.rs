@@ -4,9 +4,8 @@
 use super::figure::{Bars, Figure};
 use super::library::Preset;
 use super::results::{Row, Rows};
-use super::world::{End, World};
 use super::{Finding, Lab, PaperError, SEEDS, every_law};
-use crate::fleet::block::Block;
+use crate::offline::{End, Road, Vehicle};
 use crate::plant::Body;
 
 /// Length of the test \[m\].
@@ -14,33 +13,23 @@ const LENGTH_M: f64 = 600.0;
 /// Where the disturbance sets in \[m\].
 const FROM_M: f64 = 200.0;
 
-/// What changes at [`FROM_M`].
-struct Disturbance {
-    /// Behind the test's name.
-    suffix: &'static str,
-    act: fn(&mut Block, usize),
-}
+/// What changes at [`FROM_M`]: the name behind the test's, and the change.
+type Disturbance = (&'static str, fn(&mut Vehicle));
 
 const DISTURBANCES: &[Disturbance] = &[
-    Disturbance { suffix: "", act: |_, _| {} },
-    Disturbance { suffix: "_mass_plus_50", act: |b, i| body(b, i, |body| load(body, 1.5)) },
-    Disturbance { suffix: "_mass_minus_50", act: |b, i| body(b, i, |body| load(body, 0.5)) },
-    Disturbance { suffix: "_stiffness_plus_30", act: |b, i| body(b, i, |body| stiffen(body, 1.3)) },
-    Disturbance { suffix: "_stiffness_minus_30", act: |b, i| body(b, i, |body| stiffen(body, 0.7)) },
-    Disturbance { suffix: "_friction_0.5", act: |b, i| body(b, i, |body| body.friction = [0.5; 4]) },
-    Disturbance { suffix: "_friction_0.2", act: |b, i| body(b, i, |body| body.friction = [0.2; 4]) },
-    Disturbance { suffix: "_grade_plus_5", act: |b, i| b.inputs_mut().grade_rad[i] = libm::atan(0.05) },
-    Disturbance { suffix: "_grade_minus_5", act: |b, i| b.inputs_mut().grade_rad[i] = libm::atan(-0.05) },
-    Disturbance { suffix: "_headwind_15", act: |b, i| b.inputs_mut().headwind_mps[i] = 15.0 },
-    Disturbance { suffix: "_tailwind_15", act: |b, i| b.inputs_mut().headwind_mps[i] = -15.0 },
-    Disturbance { suffix: "_bank_5", act: |b, i| b.inputs_mut().bank_rad[i] = libm::atan(0.05) },
+    ("", |_| {}),
+    ("_mass_plus_50", |vehicle| vehicle.change_body(|body| load(body, 1.5))),
+    ("_mass_minus_50", |vehicle| vehicle.change_body(|body| load(body, 0.5))),
+    ("_stiffness_plus_30", |vehicle| vehicle.change_body(|body| stiffen(body, 1.3))),
+    ("_stiffness_minus_30", |vehicle| vehicle.change_body(|body| stiffen(body, 0.7))),
+    ("_friction_0.5", |vehicle| vehicle.change_body(|body| body.friction = [0.5; 4])),
+    ("_friction_0.2", |vehicle| vehicle.change_body(|body| body.friction = [0.2; 4])),
+    ("_grade_plus_5", |vehicle| vehicle.set_grade(libm::atan(0.05))),
+    ("_grade_minus_5", |vehicle| vehicle.set_grade(libm::atan(-0.05))),
+    ("_headwind_15", |vehicle| vehicle.set_headwind(15.0)),
+    ("_tailwind_15", |vehicle| vehicle.set_headwind(-15.0)),
+    ("_bank_5", |vehicle| vehicle.set_bank(libm::atan(0.05))),
 ];
-
-fn body(block: &mut Block, lane: usize, change: impl Fn(&mut Body)) {
-    let mut body = block.plant().body(lane).clone();
-    change(&mut body);
-    block.plant_mut().set_body(lane, &body);
-}
 
 fn load(body: &mut Body, factor: f64) {
     body.mass_kg *= factor;
@@ -70,40 +59,40 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
     let names: Vec<&'static str> = every_law().collect();
     for controller in &names {
         let scenario = lab.library.scenario("disturb", preset, controller, &[])?;
-        let world = World::new(&scenario)?;
-        rows.extend(numbers(&world, preset, controller)?);
+        let road = Road::new(&scenario)?;
+        rows.extend(numbers(&road, preset, controller)?);
     }
     let figures = vec![figure(preset, &names, &rows)];
     Ok(Finding { rows, figures, series: Vec::new(), map: None })
 }
 
-fn numbers(world: &World, preset: &Preset, controller: &'static str) -> Result<Vec<Row>, PaperError> {
-    let start_mps = world.profile.at(0.0, 0.0, 0.0).0;
+fn numbers(road: &Road, preset: &Preset, controller: &'static str) -> Result<Vec<Row>, PaperError> {
+    let start_mps = road.first_speed_mps();
     let mut trips = Vec::new();
     for _ in DISTURBANCES {
-        trips.extend(world.trips(SEEDS, start_mps, End::Distance(LENGTH_M))?);
+        trips.extend(road.trips(SEEDS, start_mps, End::Distance(LENGTH_M))?);
     }
     let mut errors = vec![Error::default(); trips.len()];
-    let outcomes = world.drive(&trips, |vehicle, block, lane, _| {
-        if block.distance_m(lane) < FROM_M {
+    let outcomes = road.drive(&trips, |vehicle| {
+        if vehicle.distance_m() < FROM_M {
             return;
         }
-        let error = &mut errors[vehicle];
+        let error = &mut errors[vehicle.trip];
         if error.samples == 0 {
-            (DISTURBANCES[vehicle / (SEEDS + 1)].act)(block, lane);
+            DISTURBANCES[vehicle.trip / (SEEDS + 1)].1(vehicle);
         }
-        let e = block.speed_mps(lane) - block.reference_mps(lane);
+        let e = vehicle.moment().error_mps();
         error.samples += 1;
         error.squares += e * e;
         error.largest = error.largest.max(e.abs());
-    })?;
+    });
     let mut rows = Vec::new();
-    for (d, disturbance) in DISTURBANCES.iter().enumerate() {
+    for (d, (suffix, _)) in DISTURBANCES.iter().enumerate() {
         let mine = d * (SEEDS + 1)..(d + 1) * (SEEDS + 1);
         let column = |of: fn(&Error) -> f64| {
             mine.clone().map(|i| outcomes[i].finished.then(|| of(&errors[i]))).collect::<Vec<_>>()
         };
-        let test = format!("disturb{}", disturbance.suffix);
+        let test = format!("disturb{suffix}");
         let named = Rows { test: &test, preset: &preset.name, controller };
         rows.extend(named.of("error_rms", "m/s", &column(|e| (e.squares / f64::from(e.samples)).sqrt())));
         rows.extend(named.of("error_max_abs", "m/s", &column(|e| e.largest)));
@@ -112,12 +101,12 @@ fn numbers(world: &World, preset: &Preset, controller: &'static str) -> Result<V
 }
 
 fn figure(preset: &Preset, names: &[&'static str], rows: &[Row]) -> Figure {
-    let groups = DISTURBANCES.iter().map(|disturbance| {
-        let test = format!("disturb{}", disturbance.suffix);
+    let groups = DISTURBANCES.iter().map(|(suffix, _)| {
+        let test = format!("disturb{suffix}");
         let value = |name: &str| {
             rows.iter().find(|r| r.test == test && !r.noise && r.controller == name && r.quantity == "error_rms")?.value
         };
-        let label = disturbance.suffix.trim_start_matches('_').replace('_', " ");
+        let label = suffix.trim_start_matches('_').replace('_', " ");
         let label = if label.is_empty() { "undisturbed".to_owned() } else { label };
         (label, names.iter().map(|name| (*name, value(name))).collect())
     });

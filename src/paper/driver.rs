@@ -5,8 +5,8 @@ use super::figure::{Chart, Curve, Figure};
 use super::library::{DEFAULT, Preset};
 use super::results::{Row, Rows};
 use super::series::Series;
-use super::world::{Moment, Outcome, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS, every_law};
+use crate::offline::{Moment, Outcome, Road};
 use crate::scenario::Override;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -102,34 +102,34 @@ fn drive(
             file.map(|f| Override::text("--driver", "target.file", &f.to_string_lossy())).into_iter().collect();
         scenarios.push((route.suffix, lab.library.scenario(test, preset, controller, &more)?));
     }
-    let mut worlds = Vec::new();
+    let mut roads = Vec::new();
     for (suffix, scenario) in &scenarios {
-        let mut world = World::new(scenario)?;
-        world.along_track = along_track;
-        worlds.push((*suffix, world));
+        let mut road = Road::new(scenario)?;
+        road.along_track = along_track;
+        roads.push((*suffix, road));
     }
     // No yaw rate, no path.
-    worlds.retain(|(_, world)| !along_track || world.profile.track().is_some());
-    worlds.sort_by(|(_, a), (_, b)| b.profile.length().partial_cmp(&a.profile.length()).unwrap_or(Ordering::Equal));
-    let Some((_, first)) = worlds.first() else { return Ok(Vec::new()) };
+    roads.retain(|(_, road)| !along_track || road.profile.track().is_some());
+    roads.sort_by(|(_, a), (_, b)| b.profile.length().partial_cmp(&a.profile.length()).unwrap_or(Ordering::Equal));
+    let Some((_, first)) = roads.first() else { return Ok(Vec::new()) };
     let mut trips = Vec::new();
-    for (_, world) in &worlds {
-        trips.extend(world.whole_trips(SEEDS)?);
+    for (_, road) in &roads {
+        trips.extend(road.whole_trips(SEEDS)?);
     }
     let every = (SERIES_EVERY_S / scenarios[0].1.coupling.control_period_s).round().max(1.0) as u32;
-    let mut exact = vec![Vec::new(); worlds.len()];
-    let mut periods = vec![0_u32; worlds.len()];
-    let outcomes = first.drive(&trips, |trip, block, lane, time_s| {
-        let (route, vehicle) = (trip / (SEEDS + 1), trip % (SEEDS + 1));
-        if vehicle == 0 {
+    let mut exact = vec![Vec::new(); roads.len()];
+    let mut periods = vec![0_u32; roads.len()];
+    let outcomes = first.drive(&trips, |vehicle| {
+        let (route, seed) = (vehicle.trip / (SEEDS + 1), vehicle.trip % (SEEDS + 1));
+        if seed == 0 {
             periods[route] += 1;
             if periods[route] % every == 0 {
-                exact[route].push(Moment::of(block, lane, time_s));
+                exact[route].push(vehicle.moment());
             }
         }
-    })?;
+    });
     let mut driven = Vec::new();
-    for (((suffix, _), outcomes), exact) in worlds.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
+    for (((suffix, _), outcomes), exact) in roads.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
         let name = format!("{test}{suffix}");
         let rows = errors(&Rows { test: &name, preset: &preset.name, controller }, outcomes);
         driven.push(Driven { suffix, controller, rows, exact });

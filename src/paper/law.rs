@@ -5,8 +5,8 @@ use super::figure::{Chart, Curve, Figure};
 use super::library::Preset;
 use super::results::{Results, Rows};
 use super::step::{Plateau, response};
-use super::world::{End, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError};
+use crate::offline::{End, Road};
 use crate::scenario::Override;
 
 /// Room for the slowest loop's first overshoot \[m\].
@@ -84,11 +84,11 @@ impl Point {
         let mut overshoots = [0.0; 2];
         for (controller, overshoot) in CONTROLLERS.iter().zip(&mut overshoots) {
             let scenario = lab.library.scenario("step", preset, controller, &settings)?;
-            let world = World::new(&scenario)?;
+            let road = Road::new(&scenario)?;
             let mut path = Vec::new();
-            world.drive(&world.trips(0, 0.0, End::Distance(LENGTH_M))?, |_, block, lane, _| {
-                path.push((block.distance_m(lane), block.speed_mps(lane)));
-            })?;
+            road.drive(&road.trips(0, 0.0, End::Distance(LENGTH_M))?, |vehicle| {
+                path.push((vehicle.distance_m(), vehicle.speed_mps()));
+            });
             let plateau = Plateau { from_m: 0.0, to_m: LENGTH_M, target_mps: TARGET_MPS };
             *overshoot = response(&path, &plateau).overshoot;
         }

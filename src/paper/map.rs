@@ -10,8 +10,8 @@
 
 use super::library::Preset;
 use super::step::{Plateau, response};
-use super::world::{End, Trip, World};
 use super::{Lab, PaperError, map_page};
+use crate::offline::{End, Road, Trip};
 use crate::scenario::Override;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -247,10 +247,10 @@ impl Job {
         // By time, so that a car that hardly moves ends as well.
         settings.push(Override::text("map", "target.by", "time"));
         let scenario = lab.library.scenario("driver", preset, self.controller, &settings)?;
-        let world = World::new(&scenario)?;
-        let noisy = world.whole_trips(1)?.pop().ok_or(PaperError::NoProfile)?;
+        let road = Road::new(&scenario)?;
+        let noisy = road.whole_trips(1)?.remove(1);
         let trips: Vec<Trip> = cells.iter().map(|cell| cell.trip(&noisy)).collect();
-        let outcomes = world.drive(&trips, |_, _, _, _| {})?;
+        let outcomes = road.drive(&trips, |_| {});
         for (cell, outcome) in cells.iter_mut().zip(outcomes) {
             cell.error_rms = outcome.stats.error_rms.filter(|e| outcome.finished && e.is_finite());
         }
@@ -259,16 +259,16 @@ impl Job {
 
     fn drive_step(&self, lab: &Lab, preset: &Preset, cells: &mut [Cell]) -> Result<(), PaperError> {
         let scenario = lab.library.scenario("step", preset, self.controller, &self.settings(cells))?;
-        let world = World::new(&scenario)?;
-        let [first, _] = super::step::plateaus(&world);
-        let exact = world.trips(0, 0.0, End::Time(STEP_S))?.pop().ok_or(PaperError::NoProfile)?;
+        let road = Road::new(&scenario)?;
+        let [first, _] = super::step::plateaus(&road);
+        let exact = road.trips(0, 0.0, End::Time(STEP_S))?.remove(0);
         let trips: Vec<Trip> = cells.iter().map(|cell| cell.trip(&exact)).collect();
         let mut paths = vec![Vec::new(); cells.len()];
-        let outcomes = world.drive(&trips, |vehicle, block, lane, _| {
-            if block.distance_m(lane) < first.to_m {
-                paths[vehicle].push((block.distance_m(lane), block.speed_mps(lane)));
+        let outcomes = road.drive(&trips, |vehicle| {
+            if vehicle.distance_m() < first.to_m {
+                paths[vehicle.trip].push((vehicle.distance_m(), vehicle.speed_mps()));
             }
-        })?;
+        });
         for ((cell, outcome), path) in cells.iter_mut().zip(outcomes).zip(&paths) {
             cell.overshoot = outcome.finished.then(|| response(path, &Plateau { ..first }).overshoot);
         }

@@ -1,7 +1,7 @@
 //! The series behind the figures, as CSV.
 
 use super::library::Preset;
-use super::world::Moment;
+use crate::offline::Moment;
 use std::fmt::Write;
 
 /// A series has about this many rows at most; longer ones are thinned evenly.

@@ -4,8 +4,8 @@ use super::figure::{Chart, Curve, Figure};
 use super::library::Preset;
 use super::results::{Row, Rows};
 use super::series::Series;
-use super::world::{End, Moment, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
+use crate::offline::{End, Moment, Road};
 use crate::scenario::{Override, Scenario};
 use rayon::prelude::*;
 
@@ -73,20 +73,20 @@ fn drive(
     scenario: &Scenario,
     controller: &'static str,
 ) -> Result<(Vec<Row>, Vec<Moment>), PaperError> {
-    let world = World::new(scenario)?;
+    let road = Road::new(scenario)?;
     let wave_m = scenario.groups[0].target.values.get("sine_wavelength_m").unwrap_or(f64::NAN);
     let mut exact = Vec::new();
     let mut courses = vec![Course::default(); SEEDS + 1];
-    let trips = world.trips(SEEDS, 0.0, End::Distance(WAVES * wave_m))?;
-    let outcomes = world.drive(&trips, |vehicle, block, lane, time_s| {
-        let moment = Moment::of(block, lane, time_s);
+    let trips = road.trips(SEEDS, 0.0, End::Distance(WAVES * wave_m))?;
+    let outcomes = road.drive(&trips, |vehicle| {
+        let moment = vehicle.moment();
         if moment.distance_m < wave_m {
-            courses[vehicle].see(&moment);
+            courses[vehicle.trip].see(&moment);
         }
-        if vehicle == 0 {
+        if vehicle.trip == 0 {
             exact.push(moment);
         }
-    })?;
+    });
     let named = Rows { test, preset: &preset.name, controller };
     let overshoot: Vec<_> = courses.iter().map(|c| Some(100.0 * c.over)).collect();
     let converged: Vec<_> = courses.iter().map(|c| c.converged_m).collect();

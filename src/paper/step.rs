@@ -4,8 +4,8 @@ use super::figure::{Chart, Curve, Figure};
 use super::library::Preset;
 use super::results::{Row, Rows};
 use super::series::Series;
-use super::world::{End, Moment, Outcome, World};
 use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
+use crate::offline::{End, Moment, Outcome, Road};
 
 /// Length of the test \[m\].
 pub const LENGTH_M: f64 = 600.0;
@@ -90,8 +90,8 @@ pub struct Drive {
 }
 
 /// The two steps of the test.
-pub fn plateaus(world: &World) -> [Plateau; 2] {
-    let at = |s: f64| world.profile.at(s, 0.0, 0.0).0;
+pub fn plateaus(road: &Road) -> [Plateau; 2] {
+    let at = |s: f64| road.profile.at(s, 0.0, 0.0).0;
     // The second step is where the profile changes.
     let places = (0..LENGTH_M as u32).map(f64::from);
     let second_m = places.into_iter().find(|s| at(*s) != at(0.0)).unwrap_or(LENGTH_M);
@@ -105,26 +105,25 @@ pub fn plateaus(world: &World) -> [Plateau; 2] {
 ///
 /// # Errors
 /// [`PaperError`] if the scenario has no profile.
-pub fn drive(world: &World, seeds: usize) -> Result<Drive, PaperError> {
-    let steps = plateaus(world);
+pub fn drive(road: &Road, seeds: usize) -> Result<Drive, PaperError> {
+    let steps = plateaus(road);
     let mut exact = Vec::new();
     let mut paths = vec![Vec::new(); seeds + 1];
     let mut torques = vec![Vec::new(); seeds + 1];
     let mut nominal = vec![0_u32; seeds + 1];
     let mut alpha_max = vec![1.0_f64; seeds + 1];
-    let outcomes =
-        world.drive(&world.trips(seeds, 0.0, End::Distance(LENGTH_M))?, |vehicle, block, lane, time_s| {
-            let moment = Moment::of(block, lane, time_s);
-            paths[vehicle].push((moment.distance_m, moment.speed_mps));
-            torques[vehicle].push((moment.distance_m, moment.front_wheel_nm));
-            nominal[vehicle] += u32::from(moment.alpha_ratio == 1.0);
-            if moment.speed_mps > moment.reference_mps {
-                alpha_max[vehicle] = alpha_max[vehicle].max(moment.alpha_ratio);
-            }
-            if vehicle == 0 {
-                exact.push(moment);
-            }
-        })?;
+    let outcomes = road.drive(&road.trips(seeds, 0.0, End::Distance(LENGTH_M))?, |vehicle| {
+        let (moment, i) = (vehicle.moment(), vehicle.trip);
+        paths[i].push((moment.distance_m, moment.speed_mps));
+        torques[i].push((moment.distance_m, moment.front_wheel_nm));
+        nominal[i] += u32::from(moment.alpha_ratio == 1.0);
+        if moment.speed_mps > moment.reference_mps {
+            alpha_max[i] = alpha_max[i].max(moment.alpha_ratio);
+        }
+        if i == 0 {
+            exact.push(moment);
+        }
+    });
     let nominal = nominal.iter().zip(&paths).map(|(n, path)| f64::from(*n) / path.len() as f64).collect();
     let responses = paths.iter().map(|path| steps.map(|step| response(path, &step))).collect();
     let torque_settling_m = torques.iter().map(|path| steps.map(|step| torque_settling(path, &step))).collect();
@@ -140,7 +139,7 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
     let mut rows = Vec::new();
     for controller in CONTROLLERS {
         let scenario = lab.library.scenario("step", preset, controller, &[])?;
-        let drive = drive(&World::new(&scenario)?, SEEDS)?;
+        let drive = drive(&Road::new(&scenario)?, SEEDS)?;
         rows.extend(numbers(&Rows { test: "step", preset: &preset.name, controller }, &drive));
         drives.push((controller, drive.exact));
     }

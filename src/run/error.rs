@@ -51,14 +51,6 @@ pub enum RunError {
     /// A name that no registry has.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
-    /// A tyre curve.
-    #[error("vehicle.tyre_curve, {}: {what}", .path.display())]
-    Tyre {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        what: String,
-    },
     /// The system refuses threads or sockets.
     #[error("cannot start the run: {0}")]
     System(String),

@@ -30,6 +30,14 @@ pub enum ScenarioError {
         /// All others.
         more: Vec<Mistake>,
     },
+    /// A tyre curve.
+    #[error("vehicle.tyre_curve, {}: {what}", path.display())]
+    Tyre {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
     /// SUMO's own files.
     #[error(transparent)]
     SumoFiles(#[from] SumoFileError),
@@ -41,7 +49,7 @@ impl ScenarioError {
         match self {
             Self::Mistakes { first, .. } => Some(first.as_ref()),
             Self::SumoFiles(error) => Some(error),
-            Self::Unreadable { .. } | Self::NoSource => None,
+            Self::Unreadable { .. } | Self::NoSource | Self::Tyre { .. } => None,
         }
     }
 }

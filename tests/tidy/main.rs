@@ -24,6 +24,7 @@ const FLOORS: &[(&str, u8)] = &[
     ("scenario", 2),
     ("cosim", 3),
     ("run", 4),
+    ("offline", 4),
     ("compare", 5),
     ("doctor", 5),
     ("paper", 5),

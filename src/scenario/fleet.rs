@@ -1,0 +1,62 @@
+//! What a fleet is built from, as the scenario says.
+
+use std::path::{Path, PathBuf};
+
+use super::{
+    error::ScenarioError,
+    model::{Choice, Group, Scenario},
+};
+use crate::{
+    fleet::{GroupSetup, LoopConfig},
+    plant::{
+        DEAD_TIME_MAX_S,
+        tyre::{identify, read_curve},
+    },
+    reference::{ReferenceError, Target},
+};
+
+impl Scenario {
+    /// What all blocks of the fleet share.
+    pub fn loop_config(&self) -> LoopConfig {
+        LoopConfig {
+            plant: (self.plant.entry.build)(&self.plant.values),
+            period_s: self.coupling.control_period_s,
+            reference_bound_mps: self.coupling.lead_mps,
+        }
+    }
+
+    /// How the blocks of a group are made.
+    pub fn blocks(&self, group: &Group) -> GroupSetup {
+        let Choice { entry, values } = group.controller.clone();
+        let period_s = self.coupling.control_period_s;
+        GroupSetup {
+            controller: Box::new(move || (entry.build)(&values, period_s).expect("a law")),
+            dead_time_max_s: group
+                .actuator
+                .largest("delay_s")
+                .map_or(DEAD_TIME_MAX_S, |delay_s| DEAD_TIME_MAX_S.min(delay_s)),
+        }
+    }
+}
+
+impl Group {
+    /// The group's target.
+    ///
+    /// # Errors
+    /// [`ReferenceError`] if the profile cannot be read.
+    pub fn load_target(&self) -> Result<Target, ReferenceError> {
+        (self.target.entry.build)(&self.target.values, Path::new(""))
+    }
+
+    /// The content of the group's tyre curve, known to be one; none if the group names no file.
+    ///
+    /// # Errors
+    /// [`ScenarioError::Tyre`]
+    pub fn load_tyre_curve(&self) -> Result<Option<String>, ScenarioError> {
+        let Some(path) = self.vehicle.body.values.get::<PathBuf>("tyre_curve") else { return Ok(None) };
+        let wrong = |what: String| ScenarioError::Tyre { path: path.clone(), what };
+        let text = std::fs::read_to_string(&path).map_err(|e| wrong(e.to_string()))?;
+        identify(&read_curve(&text).map_err(|e| wrong(e.to_string()))?).map_err(|e| wrong(e.to_string()))?;
+        Ok(Some(text))
+    }
+}
