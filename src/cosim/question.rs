@@ -5,7 +5,7 @@
 //! command per value and returns nothing yet; one that reads a reply returns the values in the same order; one that reads
 //! a subscription looks them up by their numbers; a SUMO in this process would simply call it.
 
-use crate::traci::{BatchError, Prefix, Var};
+use crate::traci::{BatchError, Domain, Prefix, Value, Var};
 use std::sync::Arc;
 
 /// A vehicle, vType, lane or the simulation, by its id in SUMO.
@@ -30,14 +30,28 @@ impl Object {
 
 /// Values of one object. `None`: SUMO has no value now (a vehicle that teleports has no speed), or declined.
 pub trait Gets<'a> {
+    /// A variable by its number in its domain; `key` is that of a generic parameter.
+    fn value(&mut self, domain: Domain, variable: u8, key: Option<&str>) -> Option<Value<'a>>;
+
     /// A number.
-    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64>;
+    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
+        self.value(variable.domain, variable.id, None)?.as_f64()
+    }
+
     /// A whole number.
-    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32>;
+    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32> {
+        self.value(variable.domain, variable.id, None)?.as_i32()
+    }
+
     /// A text.
-    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str>;
+    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
+        self.value(variable.domain, variable.id, None)?.as_str()
+    }
+
     /// A generic parameter by its key; empty if the object does not have it.
-    fn parameter<S>(&mut self, variable: Var<String, S, String>, key: &str) -> Option<&'a str>;
+    fn parameter<S>(&mut self, variable: Var<String, S, String>, key: &str) -> Option<&'a str> {
+        self.value(variable.domain, variable.id, Some(key))?.as_str()
+    }
 }
 
 /// Something to be asked about one object.

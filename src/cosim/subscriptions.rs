@@ -3,7 +3,7 @@
 
 use super::error::CosimError;
 use super::question::{Gets, Object};
-use crate::traci::{Block, Value, Var};
+use crate::traci::{Block, Domain, Value};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -95,27 +95,14 @@ impl Subscriptions {
 /// Looks values up by their variables.
 pub(super) struct Lookup<'a>(&'a [(u8, Kept)]);
 
-impl<'a> Lookup<'a> {
-    fn find(&self, variable: u8) -> Option<&'a Kept> {
-        self.0.iter().find(|(id, _)| *id == variable).map(|(_, kept)| kept)
-    }
-}
-
 impl<'a> Gets<'a> for Lookup<'a> {
-    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
-        if let Kept::Number(v) = self.find(variable.id)? { Some(*v) } else { None }
-    }
-
-    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32> {
-        if let Kept::Integer(v) = self.find(variable.id)? { Some(*v) } else { None }
-    }
-
-    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
-        if let Kept::Text(v) = self.find(variable.id)? { Some(v) } else { None }
-    }
-
-    fn parameter<S>(&mut self, _: Var<String, S, String>, _: &str) -> Option<&'a str> {
-        None
+    fn value(&mut self, _: Domain, variable: u8, _: Option<&str>) -> Option<Value<'a>> {
+        let (_, kept) = self.0.iter().find(|(id, _)| *id == variable)?;
+        Some(match kept {
+            Kept::Number(v) => Value::Double(*v),
+            Kept::Integer(v) => Value::Int(*v),
+            Kept::Text(v) => Value::Text(v),
+        })
     }
 }
 
@@ -125,22 +112,8 @@ impl<'a> Gets<'a> for Lookup<'a> {
 pub(super) struct Variables(pub Vec<u8>);
 
 impl<'a> Gets<'a> for Variables {
-    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
-        self.0.push(variable.id);
-        None
-    }
-
-    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32> {
-        self.0.push(variable.id);
-        None
-    }
-
-    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
-        self.0.push(variable.id);
-        None
-    }
-
-    fn parameter<S>(&mut self, _: Var<String, S, String>, _: &str) -> Option<&'a str> {
+    fn value(&mut self, _: Domain, variable: u8, _: Option<&str>) -> Option<Value<'a>> {
+        self.0.push(variable);
         None
     }
 }

@@ -9,7 +9,7 @@ use super::events::Events;
 use super::question::{Gets, NoAnswer, Object, Question};
 use super::subscriptions::{Subscriptions, Variables};
 use super::sumo::{Joined, Sumo, Tell};
-use crate::traci::{Batch, BatchError, Block, Client, Domain, Reply, Ticket, Var, simulation, vehicle};
+use crate::traci::{Batch, BatchError, Block, Client, Domain, Never, Reply, Ticket, Value, Var, simulation, vehicle};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -274,34 +274,16 @@ struct Writer<'b> {
     failed: Option<BatchError>,
 }
 
-impl Writer<'_> {
-    fn note<V, A>(&mut self, written: Result<V, BatchError>) -> Option<A> {
-        if let Err(error) = written {
-            self.failed.get_or_insert(error);
-        }
-        None
-    }
-}
-
 impl<'a> Gets<'a> for Writer<'_> {
-    fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
-        let written = self.batch.get_by_prefix(variable, &self.object.prefix);
-        self.note(written)
-    }
-
-    fn integer<S>(&mut self, variable: Var<i32, S>) -> Option<i32> {
-        let written = self.batch.get_by_prefix(variable, &self.object.prefix);
-        self.note(written)
-    }
-
-    fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
-        let written = self.batch.get_by_prefix(variable, &self.object.prefix);
-        self.note(written)
-    }
-
-    fn parameter<S>(&mut self, variable: Var<String, S, String>, key: &str) -> Option<&'a str> {
-        let written = self.batch.get_with(variable, &self.object.id, key);
-        self.note(written)
+    fn value(&mut self, domain: Domain, variable: u8, key: Option<&str>) -> Option<Value<'a>> {
+        let Object { id, prefix } = self.object;
+        // What the answers are is known to the question.
+        let written = match key {
+            None => self.batch.get_by_prefix(Var::<f64>::new(domain, variable), prefix).map(drop),
+            Some(key) => self.batch.get_with(Var::<f64, Never, String>::new(domain, variable), id, key).map(drop),
+        };
+        self.failed = self.failed.take().or(written.err());
+        None
     }
 }
 
@@ -319,23 +301,14 @@ impl Reader<'_> {
 }
 
 impl<'a> Gets<'a> for Reader<'a> {
+    fn value(&mut self, _: Domain, _: u8, _: Option<&str>) -> Option<Value<'a>> {
+        let place = self.place();
+        self.reply.value(place).ok()?
+    }
+
+    /// The same, quicker: nearly all that is read in a step are numbers.
     fn number<S>(&mut self, _: Var<f64, S>) -> Option<f64> {
         let place = self.place();
         self.reply.f64(place)
-    }
-
-    fn integer<S>(&mut self, _: Var<i32, S>) -> Option<i32> {
-        let place = self.place();
-        self.reply.value(place).ok()??.as_i32()
-    }
-
-    fn text<S>(&mut self, _: Var<String, S>) -> Option<&'a str> {
-        let place = self.place();
-        self.reply.text(place)
-    }
-
-    fn parameter<S>(&mut self, _: Var<String, S, String>, _: &str) -> Option<&'a str> {
-        let place = self.place();
-        self.reply.text(place)
     }
 }

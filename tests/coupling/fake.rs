@@ -1,0 +1,332 @@
+//! A small traffic world in memory: cars that follow each other on straight lanes, behind the same seam as SUMO.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+use sumo_mfc::cosim::{CosimError, Events, Gets, Joined, NoAnswer, Object, Question, Sumo, Tell};
+use sumo_mfc::traci::{Domain, Value, lane, vehicle, vehicletype};
+
+/// Length of a step [s].
+pub const STEP_S: f64 = 0.1;
+/// The limit of every lane [m/s].
+pub const LIMIT_MPS: f64 = 20.0;
+const LENGTH_M: f64 = 5.0;
+const ACCEL_MPS2: f64 = 2.6;
+const DECEL_MPS2: f64 = 4.5;
+const SPEED_MODE: i32 = 31;
+const IMPERFECTION: f64 = 0.5;
+
+/// A car, with what is going to happen to it.
+#[derive(Debug, Clone)]
+pub struct Car {
+    pub id: String,
+    pub type_id: String,
+    /// Cars of other lanes do not matter.
+    pub lane: usize,
+    /// The step at whose end it departs; 0 = it is there at the beginning.
+    pub departs: u64,
+    pub speed_mps: f64,
+    pub position_m: f64,
+    /// Where it arrives [m].
+    pub arrives_at_m: f64,
+    /// The steps at whose ends a teleport begins and ends.
+    pub teleport: Option<(u64, u64)>,
+    /// The step in which it arrives, wherever it is.
+    pub arrives_carried: Option<u64>,
+    /// The step in which somebody takes it out.
+    pub removed: Option<u64>,
+    /// Its fastest speed [m/s]: a car that is not an ego can be slow.
+    pub speed_max_mps: f64,
+}
+
+impl Car {
+    /// A car of the type `car` on a lane of its own, which departs at rest in a step.
+    pub fn new(id: &str, lane: usize, departs: u64) -> Self {
+        Self {
+            id: id.to_owned(),
+            type_id: "car".to_owned(),
+            lane,
+            departs,
+            speed_mps: 0.0,
+            position_m: 0.0,
+            arrives_at_m: 1e9,
+            teleport: None,
+            arrives_carried: None,
+            removed: None,
+            speed_max_mps: 60.0,
+        }
+    }
+}
+
+/// A car on the road.
+struct Driver {
+    car: Car,
+    odometer_m: f64,
+    carried: bool,
+    command_mps: Option<f64>,
+    accel_mps2: f64,
+    decel_mps2: f64,
+    speed_factor: f64,
+    speed_mode: i32,
+    imperfection: f64,
+}
+
+/// The world.
+#[derive(Default)]
+pub struct Fake {
+    /// Cars that have not departed.
+    pub demand: Vec<Car>,
+    /// Pairs that collide, by step.
+    pub collisions: BTreeMap<u64, Vec<[&'static str; 2]>>,
+    /// Tells act with the next step, not at once: as a shared SUMO is told.
+    pub shared: bool,
+    /// All that it was told.
+    pub told: Vec<(Arc<str>, Tell)>,
+    /// Vehicles watched now.
+    pub watched: Vec<Arc<str>>,
+    waiting: Vec<(Arc<str>, Tell)>,
+    road: BTreeMap<String, Driver>,
+    step: u64,
+}
+
+impl Fake {
+    /// A world with this demand.
+    pub fn new(demand: impl IntoIterator<Item = Car>) -> Self {
+        Self { demand: demand.into_iter().collect(), ..Self::default() }
+    }
+
+    /// The last speed, or anything else, that a vehicle was told.
+    pub fn told_to(&self, id: &str) -> Vec<Tell> {
+        self.told.iter().filter(|(who, _)| **who == *id).map(|(_, what)| *what).collect()
+    }
+
+    fn act(&mut self, id: &str, what: Tell) {
+        let Some(driver) = self.road.get_mut(id) else { return };
+        match what {
+            Tell::PreviousSpeed(speed_mps, _) => driver.car.speed_mps = speed_mps,
+            Tell::Speed(speed_mps) => driver.command_mps = Some(speed_mps),
+            Tell::ReleaseSpeed => driver.command_mps = None,
+            Tell::Imperfection(sigma) => driver.imperfection = sigma,
+            Tell::Accel(accel_mps2) => driver.accel_mps2 = accel_mps2,
+            Tell::Decel(decel_mps2) => driver.decel_mps2 = decel_mps2,
+            Tell::SpeedFactor(factor) => driver.speed_factor = factor,
+            Tell::SpeedMode(mode) => driver.speed_mode = mode,
+        }
+    }
+
+    /// The speed that a driver chooses: as fast as accel, limit and command allow, and slow enough to stop behind the
+    /// car ahead if that brakes.
+    fn choice_mps(&self, driver: &Driver) -> f64 {
+        let Driver { car, accel_mps2, speed_factor, command_mps, .. } = driver;
+        let ahead =
+            self.road.values().filter(|d| d.car.lane == car.lane && d.car.position_m > car.position_m && !d.carried);
+        let ahead = ahead.min_by(|a, b| a.car.position_m.total_cmp(&b.car.position_m));
+        let safe_mps = ahead.map_or(f64::INFINITY, |leader| {
+            let gap_m = (leader.car.position_m - LENGTH_M - car.position_m - 2.5).max(0.0);
+            let brake_mps = DECEL_MPS2 * STEP_S;
+            (brake_mps * brake_mps + leader.car.speed_mps.powi(2) + 2.0 * DECEL_MPS2 * gap_m).sqrt() - brake_mps
+        });
+        let fastest_mps = (LIMIT_MPS * speed_factor).min(car.speed_max_mps).min(car.speed_mps + accel_mps2 * STEP_S);
+        command_mps.unwrap_or(f64::INFINITY).min(fastest_mps).min(safe_mps).max(0.0)
+    }
+
+    fn drive(&mut self) {
+        let choices_mps: Vec<f64> = self.road.values().map(|driver| self.choice_mps(driver)).collect();
+        for (driver, next_mps) in self.road.values_mut().zip(choices_mps).filter(|(driver, _)| !driver.carried) {
+            let way_m = 0.5 * (driver.car.speed_mps + next_mps) * STEP_S;
+            driver.car.position_m += way_m;
+            driver.odometer_m += way_m;
+            driver.car.speed_mps = next_mps;
+        }
+    }
+
+    /// Cars that depart in this step, in the order of the demand.
+    fn depart(&mut self) -> Vec<String> {
+        let step = self.step;
+        let (now, later) = std::mem::take(&mut self.demand).into_iter().partition(|car| car.departs == step);
+        self.demand = later;
+        let now: Vec<Car> = now;
+        let ids = now.iter().map(|car| car.id.clone()).collect();
+        for car in now {
+            let driver = Driver {
+                odometer_m: 0.0,
+                carried: car.teleport.is_some_and(|(begins, _)| begins == step),
+                command_mps: None,
+                accel_mps2: ACCEL_MPS2,
+                decel_mps2: DECEL_MPS2,
+                speed_factor: 1.0,
+                speed_mode: SPEED_MODE,
+                imperfection: IMPERFECTION,
+                car,
+            };
+            self.road.insert(driver.car.id.clone(), driver);
+        }
+        ids
+    }
+}
+
+impl Sumo for Fake {
+    type Step = Events;
+    type Asked<Q: Question> = Vec<(Arc<str>, Q)>;
+
+    async fn join(&mut self) -> Result<Joined, CosimError> {
+        let present = self.depart();
+        Ok(Joined { step_s: STEP_S, time_s: 0.0, expected: 1, present })
+    }
+
+    async fn end_s(&mut self) -> Result<f64, CosimError> {
+        Ok(-1.0)
+    }
+
+    fn tell(&mut self, vehicle: &Object, what: Tell) -> Result<(), CosimError> {
+        self.told.push((vehicle.id.clone(), what));
+        if self.shared {
+            self.waiting.push((vehicle.id.clone(), what));
+        } else {
+            self.act(&vehicle.id, what);
+        }
+        Ok(())
+    }
+
+    fn watch<Q: Question>(&mut self, vehicle: &Object, _: &Q) -> Result<(), CosimError> {
+        self.watched.push(vehicle.id.clone());
+        Ok(())
+    }
+
+    fn unwatch(&mut self, vehicle: &Object) -> Result<(), CosimError> {
+        self.watched.retain(|id| *id != vehicle.id);
+        Ok(())
+    }
+
+    async fn hand_over(&mut self) -> Result<(), CosimError> {
+        Ok(())
+    }
+
+    async fn step(&mut self) -> Result<Events, CosimError> {
+        for (id, what) in std::mem::take(&mut self.waiting) {
+            self.act(&id, what);
+        }
+        self.step += 1;
+        let step = self.step;
+        self.drive();
+        self.road.retain(|_, driver| driver.car.removed != Some(step));
+        let departed = self.depart();
+        let mut events = Events { time_s: step as f64 * STEP_S, expected: 1, departed, ..Events::default() };
+        for (id, driver) in &mut self.road {
+            if let Some((begins, ends)) = driver.car.teleport {
+                if begins == step {
+                    events.teleported.push(id.clone());
+                }
+                driver.carried = (begins..ends).contains(&step);
+                if ends == step {
+                    driver.car.position_m += 100.0;
+                    driver.car.speed_mps = 3.0;
+                }
+            }
+            if driver.car.position_m >= driver.car.arrives_at_m || driver.car.arrives_carried == Some(step) {
+                events.arrived.push(id.clone());
+            }
+        }
+        self.road.retain(|id, _| !events.arrived.contains(id));
+        let pairs = self.collisions.get(&step).into_iter().flatten();
+        events.collisions = pairs.map(|pair| pair.map(str::to_owned)).collect();
+        events.colliding = !events.collisions.is_empty();
+        Ok(events)
+    }
+
+    async fn events(&mut self, step: Events, events: &mut Events) -> Result<(), CosimError> {
+        *events = step;
+        Ok(())
+    }
+
+    fn ask<'o, Q: Question>(
+        &mut self,
+        questions: impl Iterator<Item = (&'o Object, Q)>,
+    ) -> Result<Vec<(Arc<str>, Q)>, CosimError> {
+        Ok(questions.map(|(object, question)| (object.id.clone(), question)).collect())
+    }
+
+    async fn answers<Q: Question>(
+        &mut self,
+        asked: Vec<(Arc<str>, Q)>,
+        mut each: impl for<'a> FnMut(Q, Result<Q::Answer<'a>, NoAnswer>),
+    ) -> Result<(), CosimError> {
+        for (id, question) in asked {
+            let driver = self.road.get(&*id);
+            let mut values = Values { id: &id, driver, gone: false };
+            let answer = question.answer(&mut values);
+            let answer = if values.gone { Err(NoAnswer::Gone) } else { Ok(answer) };
+            each(question, answer);
+        }
+        Ok(())
+    }
+
+    async fn leave(&mut self) -> Result<(), CosimError> {
+        for (id, what) in std::mem::take(&mut self.waiting) {
+            self.act(&id, what);
+        }
+        Ok(())
+    }
+
+    async fn close(self) -> Result<(), CosimError> {
+        Ok(())
+    }
+
+    fn waited(&self) -> Duration {
+        Duration::ZERO
+    }
+}
+
+/// The values of one object.
+struct Values<'a> {
+    id: &'a str,
+    driver: Option<&'a Driver>,
+    gone: bool,
+}
+
+impl<'a> Gets<'a> for Values<'a> {
+    fn value(&mut self, domain: Domain, variable: u8, _: Option<&str>) -> Option<Value<'a>> {
+        match domain {
+            Domain::VehicleType => Some(type_value(self.id, variable)),
+            Domain::Lane if variable == lane::MAX_SPEED.id => Some(Value::Double(LIMIT_MPS)),
+            Domain::Vehicle => {
+                self.gone = self.driver.is_none();
+                vehicle_value(self.driver?, variable)
+            }
+            _ => panic!("nobody asks for 0x{variable:02x} of {domain:?}"),
+        }
+    }
+}
+
+/// A type's id is its class; `car` is a passenger car.
+fn type_value(id: &str, variable: u8) -> Value<'_> {
+    match variable {
+        v if v == vehicletype::CLASS.id => Value::Text(if id == "car" { "passenger" } else { id }),
+        v if v == vehicletype::LENGTH.id => Value::Double(LENGTH_M),
+        v if v == vehicletype::ACCEL.id => Value::Double(ACCEL_MPS2),
+        v if v == vehicletype::EMERGENCY_DECEL.id => Value::Double(9.0),
+        v if v == vehicletype::MASS.id => Value::Double(1500.0),
+        _ => Value::Text(""),
+    }
+}
+
+fn vehicle_value(driver: &Driver, variable: u8) -> Option<Value<'_>> {
+    let on_road = |value| if driver.carried { None } else { Some(value) };
+    match variable {
+        v if v == vehicle::SPEED.id => on_road(Value::Double(driver.car.speed_mps)),
+        v if v == vehicle::ANGLE.id => on_road(Value::Double(90.0)),
+        v if v == vehicle::SLOPE.id => on_road(Value::Double(0.0)),
+        v if v == vehicle::LANE.id => Some(Value::Text(if driver.carried { "" } else { "road_0" })),
+        v if v == vehicle::ROAD.id => Some(Value::Text(if driver.carried { "" } else { "road" })),
+        v if v == vehicle::DISTANCE.id => Some(Value::Double(driver.odometer_m)),
+        v if v == vehicle::TYPE.id => Some(Value::Text(&driver.car.type_id)),
+        v if v == vehicle::ACCEL.id => Some(Value::Double(driver.accel_mps2)),
+        v if v == vehicle::DECEL.id => Some(Value::Double(driver.decel_mps2)),
+        v if v == vehicle::SPEED_FACTOR.id => Some(Value::Double(driver.speed_factor)),
+        v if v == vehicle::SPEED_MODE.id => Some(Value::Int(driver.speed_mode)),
+        v if v == vehicle::IMPERFECTION.id => Some(Value::Double(driver.imperfection)),
+        v if v == vehicle::PARAMETER.id => Some(Value::Text("")),
+        _ => panic!("nobody asks for 0x{variable:02x} of a vehicle"),
+    }
+}

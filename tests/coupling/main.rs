@@ -1,0 +1,331 @@
+//! The coupling against a small traffic world in memory: comings and goings, body-leads mode, hand-back. What SUMO itself
+//! does is tested in `tests/live`.
+
+mod fake;
+
+use std::path::Path;
+
+use fake::{Car, Fake, LIMIT_MPS, STEP_S};
+use sumo_mfc::cosim::{Finished, Presence, Reason, Records, Tell, World};
+use sumo_mfc::run;
+use sumo_mfc::scenario::{Catalog, Override, Request, Scenario};
+
+/// A world over a traffic world in memory, with these settings of the scenario.
+fn world(fake: Fake, sets: &[&str]) -> World<Fake> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("sumo_nets/self_check");
+    let file = |name: &str| folder.join(name).to_str().unwrap().to_owned();
+    let mut request = Request::default()
+        .with(Override::text("--net", "sumo.net", &file("self_check.net.xml")))
+        .with(Override::texts("--routes", "sumo.routes", &[file("self_check.rou.xml")]));
+    request.overrides.extend(sets.iter().map(|set| Override::set(set).unwrap()));
+    let scenario = Scenario::load(&request, &Catalog::installed()).unwrap();
+    now(World::over(fake, run::world(&scenario).unwrap())).unwrap()
+}
+
+/// Nothing of the traffic world in memory waits.
+fn now<T>(future: impl Future<Output = T>) -> T {
+    tokio::runtime::Builder::new_current_thread().build().unwrap().block_on(future)
+}
+
+fn step(world: &mut World<Fake>, count: u32) {
+    for _ in 0..count {
+        now(world.step()).unwrap();
+    }
+}
+
+/// Hands the vehicles back and leaves.
+fn end(mut world: World<Fake>) -> Records {
+    now(world.hand_back()).unwrap();
+    let (records, left) = now(world.close());
+    left.unwrap();
+    records
+}
+
+fn record<'a>(records: &'a Records, id: &str) -> &'a Finished {
+    records.finished.iter().find(|record| *record.id == *id).unwrap_or_else(|| panic!("no record of {id}"))
+}
+
+fn ids(world: &World<Fake>) -> Vec<String> {
+    world.egos().iter().map(|ego| ego.id().to_string()).collect()
+}
+
+fn speed_mps(world: &World<Fake>, id: &str) -> f64 {
+    let (ego, block) = world.driving().find(|(ego, _)| **ego.id() == *id).unwrap();
+    block.speed_mps(ego.slot.lane())
+}
+
+#[test]
+fn an_ego_is_driven_from_the_step_after_its_departure_to_its_arrival() {
+    let mut world = world(Fake::new([Car { arrives_at_m: 200.0, ..Car::new("a", 0, 3) }]), &[]);
+    step(&mut world, 3);
+    assert_eq!((world.egos().len(), world.records().counters.departed), (0, 1), "reported, but it has not moved");
+    step(&mut world, 1);
+    assert_eq!(world.take_admitted().iter().map(|id| &**id).collect::<Vec<_>>(), ["a"]);
+    assert!((speed_mps(&world, "a") - 0.26).abs() < 0.1, "{}", speed_mps(&world, "a"));
+    step(&mut world, 300);
+    assert_eq!(world.egos().len(), 0);
+    let records = end(world);
+    let row = record(&records, "a");
+    assert_eq!(row.reason, Reason::Arrived);
+    // Inserted after the cars had moved in the step from 0.2 s, as in tripinfo.
+    assert!((row.depart_s - 0.2).abs() < 1e-12, "{}", row.depart_s);
+    // 200 m from rest with 2.6 m/s² to 20 m/s: 7.7 s + 6.2 s.
+    assert!((row.arrival_s.unwrap() - 14.2).abs() < 0.3, "{:?}", row.arrival_s);
+    assert!((row.distance_m - 200.0).abs() < 2.5, "{}", row.distance_m);
+    assert!(row.odometer_gap_m.unwrap().abs() < 0.1, "{:?}", row.odometer_gap_m);
+    assert!(row.stats.error_max_abs.unwrap() < 0.3 && row.stats.share_traffic == Some(1.0), "{:?}", row.stats);
+    assert_eq!(records.counters.arrived, 1);
+    assert_eq!(records.roads.iter().map(|(road, _)| road).collect::<Vec<_>>(), ["road"]);
+}
+
+/// SUMO is told the speed of the body in every step, and neither speed is told where both stand.
+#[test]
+fn sumo_is_told_what_the_body_drives() {
+    let stop = Car { position_m: 150.0, speed_max_mps: 0.0, type_id: "bicycle".to_owned(), ..Car::new("stop", 0, 0) };
+    let mut world = world(Fake::new([Car::new("a", 0, 0), stop]), &[]);
+    for _ in 0..100 {
+        step(&mut world, 1);
+        let speed_mps = speed_mps(&world, "a");
+        let told = world.sumo_mut().told_to("a");
+        assert!(matches!(told.last(), Some(Tell::PreviousSpeed(v, _)) if *v == speed_mps), "{speed_mps} {told:?}");
+    }
+    step(&mut world, 300);
+    assert_eq!(speed_mps(&world, "a"), 0.0, "behind the obstacle");
+    let told = world.sumo_mut().told.len();
+    step(&mut world, 50);
+    assert_eq!(world.sumo_mut().told.len(), told);
+    assert_eq!(world.records().counters.others["bicycle"], 1);
+}
+
+#[test]
+fn who_arrives_in_the_step_of_its_departure_has_no_record() {
+    let mut world = world(Fake::new([Car { arrives_at_m: 0.0, ..Car::new("a", 0, 2) }]), &[]);
+    step(&mut world, 10);
+    let records = end(world);
+    assert!(records.finished.is_empty());
+    assert_eq!((records.counters.departed, records.counters.arrived), (1, 1));
+}
+
+#[test]
+fn a_teleport_is_no_error_and_no_way() {
+    let mut world = world(Fake::new([Car { teleport: Some((100, 120)), ..Car::new("a", 0, 0) }]), &[]);
+    step(&mut world, 99);
+    let before_mps = speed_mps(&world, "a");
+    assert!(before_mps > 19.0);
+    step(&mut world, 1);
+    let told = world.sumo_mut().told.len();
+    for _ in 0..19 {
+        assert_eq!(world.egos().iter().next().unwrap().presence, Presence::Teleporting);
+        assert_eq!(world.driving().count(), 0);
+        step(&mut world, 1);
+    }
+    assert_eq!(world.sumo_mut().told.len(), told, "a vehicle that is carried has no speed");
+    step(&mut world, 1);
+    // It rolls where SUMO put it down, with SUMO's speed of 3 m/s.
+    assert!((speed_mps(&world, "a") - 3.0).abs() < 0.3, "{}", speed_mps(&world, "a"));
+    step(&mut world, 50);
+    let records = end(world);
+    let row = record(&records, "a");
+    assert_eq!((row.reason, records.counters.teleports), (Reason::Running, 1));
+    assert!(row.stats.error_max_abs.unwrap() < 0.3, "{:?}", row.stats);
+    assert_eq!(row.stats.samples, 10 * (171 - 20 - 1), "nothing is counted while it is carried");
+}
+
+/// Carried and put down within one step.
+#[test]
+fn a_teleport_of_one_step_starts_the_body_afresh() {
+    let mut world = world(Fake::new([Car { teleport: Some((100, 100)), ..Car::new("a", 0, 0) }]), &[]);
+    step(&mut world, 100);
+    assert!((speed_mps(&world, "a") - 3.0).abs() < 0.3, "{}", speed_mps(&world, "a"));
+    let records = end(world);
+    assert!(record(&records, "a").stats.error_max_abs.unwrap() < 0.3);
+}
+
+#[test]
+fn who_arrives_while_it_is_carried_was_teleported_out() {
+    let car = Car { teleport: Some((50, 200)), arrives_carried: Some(90), ..Car::new("a", 0, 0) };
+    let mut world = world(Fake::new([car]), &[]);
+    step(&mut world, 100);
+    let records = end(world);
+    let row = record(&records, "a");
+    assert_eq!(row.reason, Reason::TeleportedOut);
+    assert!((row.arrival_s.unwrap() - 90.0 * STEP_S).abs() < 1e-9, "{:?}", row.arrival_s);
+}
+
+#[test]
+fn who_vanishes_without_a_word_was_removed() {
+    for shared in [false, true] {
+        let mut fake = Fake::new([Car { removed: Some(60), ..Car::new("a", 0, 0) }, Car::new("b", 1, 0)]);
+        fake.shared = shared;
+        let mut world = world(fake, &[]);
+        step(&mut world, 60);
+        assert_eq!(ids(&world), ["b"]);
+        let records = end(world);
+        assert_eq!(record(&records, "a").reason, Reason::Removed);
+        assert_eq!(record(&records, "a").arrival_s, None);
+        assert_eq!(record(&records, "b").reason, Reason::Running);
+    }
+}
+
+#[test]
+fn a_pair_that_collides_counts_once_also_where_it_leaves_in_that_step() {
+    let leaves = Car { removed: Some(30), ..Car::new("leaves", 0, 0) };
+    let mut fake = Fake::new([leaves, Car::new("stays", 1, 0), Car::new("apart", 2, 0)]);
+    for step in 29..40 {
+        fake.collisions.insert(step, vec![["stays", "leaves"], ["leaves", "stays"]]);
+    }
+    fake.collisions.insert(45, vec![["stays", "stranger"]]);
+    let mut world = world(fake, &[]);
+    step(&mut world, 50);
+    let records = end(world);
+    let collisions = ["leaves", "stays", "apart"].map(|id| record(&records, id).collisions);
+    assert_eq!((collisions, records.counters.collision_pairs), ([1, 2, 0], 2));
+}
+
+#[test]
+fn a_leading_body_drives_the_limit_and_is_clamped_behind_a_slow_car() {
+    let slow = Car { position_m: 150.0, speed_max_mps: 5.0, type_id: "bicycle".to_owned(), ..Car::new("slow", 0, 0) };
+    let mut world = world(Fake::new([Car::new("a", 0, 0), slow]), &["target.name=limit"]);
+    step(&mut world, 30);
+    let rising_mps = speed_mps(&world, "a");
+    assert!(rising_mps > 5.5 && rising_mps < LIMIT_MPS, "{rising_mps}");
+    step(&mut world, 330);
+    assert!((speed_mps(&world, "a") - 5.0).abs() < 0.5, "{}", speed_mps(&world, "a"));
+    let stats = record(&end(world), "a").stats;
+    let (limit, clamp) = (stats.share_limit.unwrap(), stats.share_clamp.unwrap());
+    assert!(limit > 0.05 && clamp > 0.5 && (limit + clamp - 1.0).abs() < 1e-12, "{stats:?}");
+    assert!(stats.clamped_steps > 100, "{stats:?}");
+}
+
+/// A car that SUMO holds at 0 asks with a small speed whether it may go.
+#[test]
+fn a_leading_body_that_is_held_asks_whether_it_may_go() {
+    let stop = Car { position_m: 8.0, speed_max_mps: 0.0, type_id: "bicycle".to_owned(), ..Car::new("stop", 0, 0) };
+    let mut world = world(Fake::new([Car::new("a", 0, 0), stop]), &["target.name=limit"]);
+    step(&mut world, 300);
+    assert_eq!(world.sumo_mut().told_to("a").last(), Some(&Tell::Speed(0.1)));
+}
+
+#[test]
+fn a_profile_is_driven_above_the_limit_without_clamps() {
+    let sets = ["target.name=profile", "target.shape=step", "target.step_at=0, 300", "target.step_speeds_mps=25, 25"];
+    let mut world = world(Fake::new([Car::new("a", 0, 0)]), &sets);
+    step(&mut world, 300);
+    assert!((speed_mps(&world, "a") - 25.0).abs() < 0.5, "{}", speed_mps(&world, "a"));
+    let stats = record(&end(world), "a").stats;
+    assert_eq!((stats.share_profile, stats.clamped_steps), (Some(1.0), 0));
+}
+
+#[test]
+fn hand_back_restores_what_was_changed() {
+    let sets = ["target.name=limit", "traffic.sigma=0"];
+    let mut world = world(Fake::new([Car::new("a", 0, 0)]), &sets);
+    step(&mut world, 50);
+    let taken = world.sumo_mut().told_to("a");
+    assert_eq!(taken[0], Tell::Imperfection(0.0));
+    assert!(matches!(taken[1], Tell::Accel(a) if a >= 2.6) && matches!(taken[2], Tell::Decel(b) if b >= 4.5));
+    // Accel and decel before the factor, which they would undo.
+    assert_eq!(taken[3..5], [Tell::SpeedFactor(100.0), Tell::SpeedMode(27)]);
+    assert_eq!(world.sumo_mut().watched.len(), 1);
+    now(world.hand_back()).unwrap();
+    let told = world.sumo_mut().told_to("a");
+    let restored = [
+        Tell::Imperfection(0.5),
+        Tell::SpeedMode(31),
+        Tell::Accel(2.6),
+        Tell::Decel(4.5),
+        Tell::SpeedFactor(1.0),
+        Tell::ReleaseSpeed,
+    ];
+    assert_eq!(told[told.len() - restored.len()..], restored);
+    assert!(world.sumo_mut().watched.is_empty());
+    assert_eq!(record(&end(world), "a").reason, Reason::Running);
+}
+
+#[test]
+fn an_id_that_is_used_again_has_two_records() {
+    let twice = [5, 200].map(|departs| Car { arrives_at_m: 100.0, ..Car::new("a", 0, departs) });
+    let mut world = world(Fake::new(twice), &[]);
+    step(&mut world, 400);
+    let records = end(world);
+    let [first, second] = &records.finished[..] else { panic!("{} records", records.finished.len()) };
+    assert_eq!((&*first.id, &*second.id), ("a", "a"));
+    // The slot that is taken again remembers nothing.
+    assert_eq!(first.stats, second.stats);
+    assert!((second.depart_s - first.depart_s - 195.0 * STEP_S).abs() < 1e-9);
+}
+
+#[test]
+fn a_vehicle_that_cannot_be_an_ego_is_told_with_the_reason() {
+    let long = "x".repeat(200);
+    let of_long_type = Car { type_id: "y".repeat(200), ..Car::new("typed", 2, 1) };
+    let mut world = world(Fake::new([Car::new(&long, 0, 1), of_long_type, Car::new("a", 1, 1)]), &[]);
+    step(&mut world, 5);
+    assert_eq!(ids(&world), ["a"]);
+    let refused = &world.records().counters.refused;
+    assert_eq!(refused.iter().map(|(id, _)| id.as_str()).collect::<Vec<_>>(), [&long, "typed"]);
+    assert!(refused[0].1.contains("200 bytes") && refused[1].1.contains("vType"), "{refused:?}");
+}
+
+#[test]
+fn selectors_leave_vehicles_to_sumo() {
+    let mut world = world(Fake::new(["a", "b", "c"].map(|id| Car::new(id, 0, 1))), &["egos.select=id:[ac]"]);
+    step(&mut world, 3);
+    assert_eq!(ids(&world), ["a", "c"]);
+    assert_eq!(world.records().counters.unequipped, 1);
+}
+
+/// Egos stay in the order of their admission, also where more depart than are asked about at once, and where others leave.
+#[test]
+fn egos_stay_in_the_order_of_their_admission() {
+    let name = |i: usize| format!("car{:03}", (i * 37) % 200);
+    let crowd = (0..200).map(|i| Car { removed: (i % 3 == 0).then_some(20), ..Car::new(&name(i), i, 2) });
+    let present = [Car::new("z", 900, 0), Car::new("y", 901, 0)];
+    let late = (0..40).map(|i| Car::new(&format!("late{i}"), 1000 + i, 25));
+    let mut world = world(Fake::new(present.into_iter().chain(crowd).chain(late)), &[]);
+    step(&mut world, 30);
+    let crowd = (0..200).filter(|i| i % 3 != 0).map(name);
+    let expected: Vec<String> =
+        ["z", "y"].map(str::to_owned).into_iter().chain(crowd).chain((0..40).map(|i| format!("late{i}"))).collect();
+    assert_eq!(ids(&world), expected);
+    for id in &expected {
+        assert_eq!(world.egos().find(id).unwrap().id().to_string(), *id);
+    }
+}
+
+/// The results of a crowd in several chunks, in which things happen, as they are and in a SUMO that is shared.
+fn crowd(shared: bool, others: usize) -> Vec<(String, Reason, String)> {
+    let mut cars: Vec<Car> = (0..40)
+        .map(|i| {
+            let mut car = Car { position_m: 15.0 * i as f64, arrives_at_m: 900.0, ..Car::new(&format!("a{i}"), 0, i) };
+            car.teleport = (i == 7).then_some((150, 170));
+            car.removed = (i == 11).then_some(130);
+            car
+        })
+        .collect();
+    cars.extend((0..others).map(|i| Car::new(&format!("other{i}"), 1 + i, 2 + (i % 5) as u64)));
+    let mut fake = Fake::new(cars);
+    fake.shared = shared;
+    fake.collisions.insert(160, vec![["a3", "a4"]]);
+    let mut world = world(fake, &["noise.power_db=-20"]);
+    step(&mut world, 500);
+    let records = end(world);
+    assert!(records.finished.iter().filter(|record| record.reason == Reason::Arrived).count() > 5);
+    let of_interest = records.finished.iter().filter(|record| record.id.starts_with('a'));
+    let mut rows: Vec<_> = of_interest
+        .map(|r| (r.id.to_string(), r.reason, format!("{:?} {:?} {:?}", r.stats, r.distance_m, r.odometer_gap_m)))
+        .collect();
+    rows.sort_by(|a, b| a.0.cmp(&b.0));
+    rows
+}
+
+#[test]
+fn law_when_sumo_is_told_changes_nothing() {
+    assert_eq!(crowd(false, 0), crowd(true, 0));
+}
+
+/// Vehicles that are not near do not matter, in whichever chunk they are.
+#[test]
+fn law_other_chunks_change_nothing() {
+    assert_eq!(crowd(false, 0), crowd(false, 300));
+}
