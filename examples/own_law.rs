@@ -4,7 +4,7 @@
 use std::process::ExitCode;
 
 use sumo_mfc::cli;
-use sumo_mfc::control::{Actuation, Build, Command, Controller, Observation, law};
+use sumo_mfc::control::{Build, Command, Controller, Observation, law};
 use sumo_mfc::lanes::LANES;
 use sumo_mfc::registry::Entry;
 use sumo_mfc::scenario::Catalog;
@@ -25,12 +25,9 @@ impl Controller for Proportional {
         for i in 0..LANES {
             let error_mps = seen.measured_mps[i] - seen.reference_mps[i];
             let accel_mps2 = seen.reference_rate_mps2[i] - self.0.k_p * error_mps;
-            command.torque_nm[i] = accel_mps2 * seen.nominal_nm_per_mps2[i];
-            command.gain_mps2_per_nm[i] = 1.0 / seen.nominal_nm_per_mps2[i].max(1.0);
+            command.ask(i, accel_mps2, seen.nominal_nm_per_mps2[i], 1.0);
         }
     }
-
-    fn feedback(&mut self, _: &Actuation) {}
 
     fn reset(&mut self, _: usize, _: f64) {}
 }

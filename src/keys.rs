@@ -248,12 +248,14 @@ impl<T: Setting> Setting for Option<T> {
 ///
 /// Each key is `/// help`, then `name: type = default, "unit", min..=max;`. The doc comment is the key's help, of one line.
 /// Numbers have a unit ("-" = none) and a range; a text may have `form FUNCTION` ([`Kind::Form`](crate::keys::Kind::Form)).
-/// Keys of type `Option` and lists need no default. `..shared: OtherKeys,` in front takes over the keys of another struct.
+/// Keys of type `Option` and lists need no default. `..shared: OtherKeys,` in front takes over the keys of another struct,
+/// and so does `and ..shared: OtherKeys,` at the end.
 #[macro_export]
 macro_rules! keys {
     ($(#[$meta:meta])* $vis:vis struct $name:ident {
         $(..$base:ident: $base_type:ty,)?
         $(#[doc = $help:literal] $field:ident: $type:ty $(= $default:expr)? $(, $unit:literal, $range:expr)? $(, form $form:expr)?;)*
+        $(and ..$tail:ident: $tail_type:ty,)?
     }) => {
         $(#[$meta])*
         #[derive(Debug, Clone, PartialEq)]
@@ -261,6 +263,7 @@ macro_rules! keys {
         $vis struct $name {
             $(#[doc = "Keys that are declared elsewhere."] pub $base: $base_type,)?
             $(#[doc = $help] pub $field: $type,)*
+            $(#[doc = "Keys that are declared elsewhere."] pub $tail: $tail_type,)?
         }
 
         impl Default for $name {
@@ -268,6 +271,7 @@ macro_rules! keys {
                 Self {
                     $($base: Default::default(),)?
                     $($field: $crate::keys!(@default $type $(, $default)?),)*
+                    $($tail: Default::default(),)?
                 }
             }
         }
@@ -284,6 +288,7 @@ macro_rules! keys {
                             default: _values.0.get(stringify!($field)).cloned(),
                             help: $help.trim_ascii(),
                         }),*],
+                        $(<$tail_type as $crate::keys::Keys>::keys().to_vec(),)?
                     ]
                     .concat()
                 });
@@ -296,6 +301,7 @@ macro_rules! keys {
                 Self {
                     $($base: $crate::keys::Keys::from_values(values),)?
                     $($field: values.get(stringify!($field)).unwrap_or(_defaults.$field),)*
+                    $($tail: $crate::keys::Keys::from_values(values),)?
                 }
             }
 
@@ -303,6 +309,7 @@ macro_rules! keys {
                 let mut _values = $crate::keys::Values::default();
                 $(_values.0.append(&mut $crate::keys::Keys::to_values(&self.$base).0);)?
                 $(_values.0.extend($crate::keys::Setting::to_value(&self.$field).map(|value| (stringify!($field), value)));)*
+                $(_values.0.append(&mut $crate::keys::Keys::to_values(&self.$tail).0);)?
                 _values
             }
         }

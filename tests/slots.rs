@@ -75,7 +75,7 @@ fn seen(block: &mut Block, slot: usize) -> Vec<u64> {
     let of_loop = [block.torque_nm(slot), block.target_mps(slot), block.reference_mps(slot), block.measured_mps(slot)];
     let ends = [block.acceleration_mps2(slot), block.sumo_mps(slot), f64::from(u8::from(block.rests(slot)))];
     let (limits, sums, stats) = (block.acceleration_limits_mps2(slot), block.take_sums(slot), block.stats(slot));
-    let of_law = [block.controller().alpha_ratio(slot), block.controller().f_hat_mps2(slot)];
+    let of_law = [block.alpha_ratio(slot), block.f_hat_mps2(slot)];
     let sums = [sums.samples as f64, sums.error_mps, sums.error_squared, sums.speed_mps];
     let numbers = of_plant.into_iter().chain(state.wheel_speed_radps).chain(accelerations).chain(road).chain(of_loop);
     let numbers = numbers.chain(ends).chain(limits).chain(of_law).chain(sums).chain(block.slip(slot));
@@ -103,7 +103,7 @@ fn drive(fleet: &mut Fleet, slot: Slot, kind: usize, steps: u32) -> Vec<Vec<u64>
 
 fn fleet(controller: &Entry<Build>, plant: &str) -> Fleet {
     let (build, values) = (controller.build.clone(), Values::defaults(controller.keys));
-    let group = GroupSetup { controller: Box::new(move || build(&values, 0.01).expect("a law")), dead_time_max_s: 0.2 };
+    let group = GroupSetup { controller: Box::new(move || build(&values, 0.01)), dead_time_max_s: 0.2 };
     let plant = find("plant", &PLANTS, plant).unwrap();
     let plant = (plant.build)(&Values::defaults(plant.keys));
     Fleet::new(LoopConfig { plant, period_s: 0.01, reference_bound_mps: 1.0 }, vec![group])

@@ -43,14 +43,16 @@
 //! 0.2 s: with the scale right, F holds little that is fast, and the noise in F̂ falls with T^(−3/2); at 0.8 s the response to a slope
 //! or a start comes late. `docs/controllers.md` compares the laws at equal tuning and says where this one loses.
 
-use super::{Actuation, Command, Controller, Observation};
+use super::bounds::{INPUT_MAX_MPS2, RateKeys};
+use super::controller::{Actuation, Build, Command, Controller, Observation, law};
 use crate::columns::{Slots, columns};
 use crate::keys;
 use crate::lanes::{LANES, vectorised};
+use crate::registry::Entry;
 
 keys! {
     /// Keys of the law.
-    pub(super) struct CalibratingKeys {
+    struct CalibratingKeys {
         /// K_P, rate at which the predicted error decays
         k_p: f64 = 1.0, "1/s", 0.0..=1000.0;
         /// b, first guess of the torque scale: the torque is u*b*M*r; may be wrong by a factor of 0.01 to 20
@@ -59,8 +61,7 @@ keys! {
         window_s: f64 = 0.5, "s", 0.001..=5.0;
         /// time of speeding up and slowing down over which the torque scale is averaged
         memory_s: f64 = 10.0, "s", 0.1..=1e4;
-        /// rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether
-        reference_rate_max_mps2: f64 = 20.0, "m/s2", 0.0..=1e6;
+        and ..rate: RateKeys,
     }
 }
 
@@ -74,20 +75,22 @@ const DOUBT_MPS4: f64 = 0.02;
 const SCALE: [f64; 2] = [0.01, 20.0];
 /// Bound on the delay \[s\].
 const DELAY_MAX_S: f64 = 2.0;
-/// Bound on inputs, far outside anything physical: sums of them stay numbers.
-const INPUT_MAX_MPS2: f64 = 1e6;
 
-pub(super) fn build(keys: CalibratingKeys, period_s: f64) -> Calibrating {
-    Calibrating::new(Law::new(&keys, period_s))
+pub(super) fn entry() -> Entry<Build> {
+    law(
+        "calibrating",
+        "model-free control that finds its torque scale and the actuators' delay on the drive and predicts over it",
+        |keys: CalibratingKeys, period_s| Calibrating::new(Law::new(&keys, period_s)),
+    )
 }
 
 /// The constants of the law.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Law {
+struct Law {
     period_s: f64,
     k_p: f64,
     accel_per_unit_mps2: f64,
-    rate_max_mps2: f64,
+    rate: RateKeys,
     /// 1 − p², what of an innovation goes into ŷ.
     speed_gain: f64,
     /// (1 − p)²/Δt, what of it goes into F̂ [1/s].
@@ -142,7 +145,7 @@ columns! {
 
 columns! {
     /// The law for one block of vehicles.
-    pub(super) struct Calibrating(law: Law) {
+    struct Calibrating(law: Law) {
         shared {
             law: Law = law,
         }
@@ -160,7 +163,7 @@ impl Law {
             period_s,
             k_p: keys.k_p,
             accel_per_unit_mps2: keys.accel_per_unit_mps2,
-            rate_max_mps2: keys.reference_rate_max_mps2,
+            rate: keys.rate,
             speed_gain: 1.0 - pole * pole,
             rate_gain_per_s: (1.0 - pole) * (1.0 - pole) / period_s,
             smoothing: 1.0 - libm::exp(-period_s / SMOOTHING_S),
@@ -238,8 +241,7 @@ vectorised! {
     /// The law, on the error that is to be when the torque comes to act.
     fn act(law: &Law, observed: &Observation, known: &Known, m: &mut Motion, command: &mut Command) {
         for i in 0..LANES {
-            let rate = observed.reference_rate_mps2[i];
-            let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
+            let rate = law.rate.bound(observed.reference_rate_mps2[i]);
             let scale = known.scale[i];
             let y_hat = m.y_mps[i] + scale * m.from_v_mps[i];
             let f_hat = m.d_mps2[i] + scale * m.from_v_mps2[i];
@@ -248,10 +250,7 @@ vectorised! {
             let e = y_hat - observed.reference_mps[i];
             let e_ahead = e + scale * m.pending_mps[i] - known.delay_s[i] * wanted;
             let u = (wanted - law.k_p * e_ahead) / scale;
-
-            let torque_per_u = law.accel_per_unit_mps2 * observed.nominal_nm_per_mps2[i];
-            command.torque_nm[i] = u * torque_per_u;
-            command.gain_mps2_per_nm[i] = if torque_per_u > 0.0 { 1.0 / torque_per_u } else { 0.0 };
+            command.ask(i, u, law.accel_per_unit_mps2 * observed.nominal_nm_per_mps2[i], 1.0);
         }
     }
 }

@@ -1,20 +1,11 @@
-//! No controller: the vehicle takes the reference speed as it is. It shows what the coupling alone does, and it is the
-//! smallest example of a controller.
+//! No controller: the vehicle takes the reference speed as it is. This shows what the coupling alone does.
 
-use super::{Actuation, Command, Controller, Observation};
+use super::controller::Build;
+use crate::keys::{Keys, NoKeys};
+use crate::registry::Entry;
+use std::sync::Arc;
 
-pub(super) struct Ideal;
-
-impl Controller for Ideal {
-    fn command(&mut self, _observation: &Observation, command: &mut Command) {
-        *command = Command::default();
-    }
-
-    fn feedback(&mut self, _actuation: &Actuation) {}
-
-    fn reset(&mut self, _slot: usize, _speed_mps: f64) {}
-
-    fn is_ideal(&self) -> bool {
-        true
-    }
+pub(super) fn entry() -> Entry<Build> {
+    let summary = "the vehicle takes the reference speed exactly: no body, no torque";
+    Entry { name: "ideal", summary, keys: NoKeys::keys(), build: Arc::new(|_, _| None) }
 }

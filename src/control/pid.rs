@@ -14,14 +14,16 @@
 //! damped (ζ = 0.5). More k_p tracks a wrong mass better, but noise then drives the torque into its limits, where the velocity form
 //! forgets what was cut off and drifts.
 
-use super::{Actuation, Command, Controller, Observation};
+use super::bounds::RateKeys;
+use super::controller::{Actuation, Build, Command, Controller, Observation, law};
 use crate::columns::{Slots, columns};
 use crate::keys;
 use crate::lanes::{LANES, vectorised};
+use crate::registry::Entry;
 
 keys! {
     /// Keys of the velocity form.
-    pub(super) struct PidKeys {
+    struct PidKeys {
         /// acceleration per speed error
         k_p: f64 = 1.0, "1/s", 0.0..=1e6;
         /// acceleration per integrated speed error
@@ -30,9 +32,12 @@ keys! {
         k_d: f64 = 0.0, "-", 0.0..=1e3;
         /// share of the reference's rate that is fed forward
         k_ff: f64 = 1.0, "-", 0.0..=10.0;
-        /// rates of the reference above this are jumps and taken as 0; 0 ignores the rate altogether
-        reference_rate_max_mps2: f64 = 20.0, "m/s2", 0.0..=1e6;
+        and ..rate: RateKeys,
     }
+}
+
+pub(super) fn entry() -> Entry<Build> {
+    law("pid", "velocity-form PI(D) with feed-forward and anti-windup, the baseline", Pid::new)
 }
 
 /// The gains per period [1/s].
@@ -41,7 +46,7 @@ struct Law {
     k_i_dt: f64,
     k_d_per_dt: f64,
     k_ff: f64,
-    rate_max_mps2: f64,
+    rate: RateKeys,
 }
 
 columns! {
@@ -60,19 +65,19 @@ columns! {
     }
 }
 
-pub(super) struct Pid {
+struct Pid {
     law: Law,
     memory: Memory,
 }
 
 impl Pid {
-    pub(super) fn new(keys: PidKeys, period_s: f64) -> Self {
+    fn new(keys: PidKeys, period_s: f64) -> Self {
         let law = Law {
             k_p: keys.k_p,
             k_i_dt: keys.k_i * period_s,
             k_d_per_dt: keys.k_d / period_s,
             k_ff: keys.k_ff,
-            rate_max_mps2: keys.reference_rate_max_mps2,
+            rate: keys.rate,
         };
         Self { law, memory: Memory::default() }
     }
@@ -95,8 +100,7 @@ impl Controller for Pid {
 vectorised! {
     fn velocity_form(law: &Law, observed: &Observation, memory: &mut Memory, command: &mut Command) {
         for i in 0..LANES {
-            let rate = observed.reference_rate_mps2[i];
-            let rate = if rate.abs() <= law.rate_max_mps2 { rate } else { 0.0 };
+            let rate = law.rate.bound(observed.reference_rate_mps2[i]);
             let e = observed.measured_mps[i] - observed.reference_mps[i];
             let change = e - memory.error[i];
             let accel = memory.accel[i] + law.k_ff * (rate - memory.rate[i])
@@ -106,10 +110,7 @@ vectorised! {
             memory.error[i] = e;
             memory.change[i] = change;
             memory.rate[i] = rate;
-
-            let torque_per_accel = observed.nominal_nm_per_mps2[i];
-            command.torque_nm[i] = accel * torque_per_accel;
-            command.gain_mps2_per_nm[i] = if torque_per_accel > 0.0 { 1.0 / torque_per_accel } else { 0.0 };
+            command.ask(i, accel, observed.nominal_nm_per_mps2[i], 1.0);
         }
     }
 }

@@ -33,9 +33,9 @@ struct Demand {
 }
 
 columns! {
-    /// One block of a group: `controller` steers its vehicles with control periods of `period_s` and dead times up to
+    /// One block of a group: `controller`, if there is one, drives its vehicles with control periods of `period_s` and dead times up to
     /// `dead_time_max_s`.
-    pub struct Block(group: usize, controller: Box<dyn Controller>, period_s: f64, dead_time_max_s: f64) {
+    pub struct Block(group: usize, controller: Option<Box<dyn Controller>>, period_s: f64, dead_time_max_s: f64) {
         shared {
             group: usize = group,
             command: Command = Command::default(),
@@ -44,7 +44,7 @@ columns! {
         parts {
             plant: PlantBlock = PlantBlock::default(),
             inputs: Inputs = Inputs::default(),
-            controller: Box<dyn Controller> = controller,
+            controller: Option<Box<dyn Controller>> = controller,
             actuators: Actuators = Actuators::new(period_s, dead_time_max_s),
             measurement: Measurement = Measurement::default(),
             driver: Driver = Driver::default(),
@@ -97,7 +97,7 @@ impl Block {
         let friction = body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b));
         self.steering.set(slot, body.wheelbase_m(), body.understeer_gradient(), friction);
         self.plant.set_body(slot, body);
-        if !self.controller.is_ideal() {
+        if self.controller.is_some() {
             self.driver.set_limits(slot, self.acceleration_limits_mps2(slot));
         }
         let (stream, sigma_mps) = vehicle.noise.map_or((None, 0.0), |(stream, sigma)| (Some(stream), sigma));
@@ -124,7 +124,7 @@ impl Block {
         self.measured_mps[slot] = speed_mps;
         self.acceleration_mps2[slot] = 0.0;
         self.plant.set_state(slot, &State::rolling(self.plant.body(slot), speed_mps));
-        self.controller.reset(slot, speed_mps);
+        self.controller.iter_mut().for_each(|controller| controller.reset(slot, speed_mps));
         self.actuators.reset(slot);
         self.steering.straighten(slot);
     }
@@ -133,7 +133,7 @@ impl Block {
     pub fn vanish(&mut self, slot: usize) {
         self.present[slot] = 0.0;
         self.plant.rest(slot);
-        self.controller.reset(slot, 0.0);
+        self.controller.clear(slot);
         self.actuators.reset(slot);
     }
 
@@ -190,9 +190,14 @@ impl Block {
         &self.plant
     }
 
-    /// The controller of the block.
-    pub fn controller(&self) -> &dyn Controller {
-        self.controller.as_ref()
+    /// α̂/α_nominal of a slot; 1 without adaptation.
+    pub fn alpha_ratio(&self, slot: usize) -> f64 {
+        self.controller.as_ref().map_or(1.0, |controller| controller.alpha_ratio(slot))
+    }
+
+    /// F̂ of a slot [m/s²]; 0 without an estimate.
+    pub fn f_hat_mps2(&self, slot: usize) -> f64 {
+        self.controller.as_ref().map_or(0.0, |controller| controller.f_hat_mps2(slot))
     }
 
     /// True longitudinal speed [m/s].
@@ -295,7 +300,7 @@ impl Block {
             let demand = Demand { start_mps: at(tau_s), end_mps: at(tau_s + config.period_s), rate_mps2, rest, share };
             self.period(config, &demand);
         }
-        if self.controller.is_ideal() {
+        if self.controller.is_none() {
             // To the last bit what SUMO chose: the sum of the periods' ramps need not be.
             for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
                 self.plant.vx_mps[i] = self.target_mps[i];
@@ -345,7 +350,7 @@ impl Block {
     /// One control period.
     fn period(&mut self, config: &LoopConfig, demand: &Demand) {
         let moving: Flags = std::array::from_fn(|i| self.present[i] * (1.0 - self.held[i]));
-        if self.controller.is_ideal() {
+        if self.controller.is_none() {
             self.take_speeds(&demand.end_mps, &moving, config.period_s);
         } else {
             self.control(demand, &moving);
@@ -368,7 +373,7 @@ impl Block {
         self.stopwatch.lap(STATISTICS);
     }
 
-    /// An ideal vehicle has the speed that it is to have, and covers the trapezoid between the two.
+    /// Without a controller the vehicle has the speed of the reference, and covers the trapezoid between the two.
     fn take_speeds(&mut self, next_mps: &Lanes, moving: &Flags, period_s: f64) {
         for i in 0..LANES {
             let before_mps = self.plant.vx_mps[i];
@@ -380,6 +385,7 @@ impl Block {
 
     /// Measure, ask the law, send its torque through the actuators.
     fn control(&mut self, demand: &Demand, moving: &Flags) {
+        let Some(controller) = &mut self.controller else { return };
         self.measured_mps = self.measurement.measure(&self.plant.vx_mps, moving);
         let seen = |x: &Lanes| std::array::from_fn(|i| x[i] * moving[i]);
         let observation = Observation {
@@ -388,9 +394,9 @@ impl Block {
             reference_rate_mps2: seen(&demand.rate_mps2),
             nominal_nm_per_mps2: self.nominal_nm_per_mps2,
         };
-        self.controller.command(&observation, &mut self.command);
+        controller.command(&observation, &mut self.command);
         let actuated = self.actuators.step(&self.command.torque_nm, &self.command.gain_mps2_per_nm);
-        self.controller.feedback(&Actuation {
+        controller.feedback(&Actuation {
             commanded_mps2: actuated.commanded,
             saturated_mps2: actuated.saturated,
             applied_mps2: actuated.applied,
@@ -411,7 +417,7 @@ impl Block {
             self.plant.rest(i);
             if demand.rest[i] > 0.0 {
                 self.inputs.torque_nm[i] = 0.0;
-                self.controller.rest(i);
+                self.controller.iter_mut().for_each(|controller| controller.rest(i));
                 self.actuators.reset(i);
                 self.held[i] = 1.0;
             }

@@ -30,8 +30,8 @@ pub struct VehicleSetup {
 
 /// How blocks of one group are made.
 pub struct GroupSetup {
-    /// Makes the controller of one block.
-    pub controller: Box<dyn Fn() -> Box<dyn Controller> + Send + Sync>,
+    /// Makes the controller of one block; `None` = no controller: the vehicles take the reference speed as it is.
+    pub controller: Box<dyn Fn() -> Option<Box<dyn Controller>> + Send + Sync>,
     /// Largest dead time that a vehicle of this group may have \[s\].
     pub dead_time_max_s: f64,
 }

@@ -58,8 +58,8 @@ impl Vehicle<'_> {
             measured_mps: block.measured_mps(slot),
             torque_nm,
             front_wheel_nm: 0.5 * front_share * torque_nm,
-            alpha_ratio: block.controller().alpha_ratio(slot),
-            f_hat_mps2: block.controller().f_hat_mps2(slot),
+            alpha_ratio: block.alpha_ratio(slot),
+            f_hat_mps2: block.f_hat_mps2(slot),
         }
     }
 

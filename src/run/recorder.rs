@@ -113,8 +113,8 @@ pub(super) fn trace_row(ego: &Ego, block: &Block, time_s: f64) -> TraceRow {
         slip_front,
         slip_rear,
         torque: block.torque_nm(lane),
-        alpha_hat: block.controller().alpha_ratio(lane),
-        f_hat: block.controller().f_hat_mps2(lane),
+        alpha_hat: block.alpha_ratio(lane),
+        f_hat: block.f_hat_mps2(lane),
         distance: block.distance_m(lane),
     }
 }

@@ -30,7 +30,7 @@ impl Scenario {
         let Choice { entry, values } = group.controller.clone();
         let period_s = self.coupling.control_period_s;
         GroupSetup {
-            controller: Box::new(move || (entry.build)(&values, period_s).expect("a law")),
+            controller: Box::new(move || (entry.build)(&values, period_s)),
             dead_time_max_s: group
                 .actuator
                 .largest("delay_s")

@@ -108,8 +108,7 @@ impl Group {
     /// Whether its egos drive a body: whether they have a controller.
     pub fn has_body(&self) -> bool {
         const ANY_PERIOD_S: f64 = 0.01;
-        let controller = (self.controller.entry.build)(&self.controller.values, ANY_PERIOD_S);
-        controller.is_some_and(|controller| !controller.is_ideal())
+        (self.controller.entry.build)(&self.controller.values, ANY_PERIOD_S).is_some()
     }
 }
 

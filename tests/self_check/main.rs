@@ -115,7 +115,7 @@ fn a_reference_given_as_a_step_is_noticed() {
     let change = |setup: &mut WorldSetup| {
         for block in &mut setup.blocks {
             let law = std::mem::replace(&mut block.controller, Box::new(|| unreachable!("replaced below")));
-            block.controller = Box::new(move || Box::new(StepReference::around(law())));
+            block.controller = Box::new(move || Some(Box::new(StepReference::around(law()?))));
         }
     };
     is_noticed(Fault::None, change, "no creep");
