@@ -43,7 +43,7 @@ mod summary;
 mod whole;
 
 pub use error::RunError;
-pub use manifest::{Input, Manifest, Status, sha256_of};
+pub use manifest::{Input, Manifest, Status};
 pub use profile::Profile;
 pub use result::RunResult;
 pub use result_dir::ResultDir;

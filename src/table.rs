@@ -65,9 +65,9 @@ pub struct Column {
 }
 
 impl Column {
-    /// A column of numbers.
-    pub fn number(name: impl Into<String>, unit: Option<&'static str>, meaning: impl Into<String>) -> Self {
-        Self { name: name.into(), kind: Kind::Number, unit, meaning: meaning.into(), in_summary: true }
+    /// A column that the summary of a fleet has, if it has numbers.
+    pub fn new(name: impl Into<String>, kind: Kind, unit: Option<&'static str>, meaning: impl Into<String>) -> Self {
+        Self { name: name.into(), kind, unit, meaning: meaning.into(), in_summary: true }
     }
 
     /// The same column, but the summary of a fleet leaves it out.
@@ -80,23 +80,25 @@ impl Column {
 /// Reads the value of a column off a row.
 pub type Read<R> = Box<dyn Fn(&R) -> Cell<'_> + Send + Sync>;
 
-/// A type with one value for one column.
-pub trait Value {
-    /// What the value is.
-    const KIND: Kind;
+/// Columns, each with how it is read off a row `R`.
+pub type Columns<R> = Vec<(Column, Read<R>)>;
 
-    /// The value.
-    fn cell(&self) -> Cell<'_>;
+/// A field of a row: a value with its own column, or a struct of fields with a column each.
+pub trait Field: Sized + 'static {
+    /// The columns of the field, and how they are read off a row `R` in which `find` finds it. `declared` is what the
+    /// row says about the field.
+    fn columns<R: 'static>(declared: Column, find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static) -> Columns<R>;
 }
 
 macro_rules! values {
     ($($type:ty: $kind:ident = $cell:expr;)*) => {$(
-        impl Value for $type {
-            const KIND: Kind = Kind::$kind;
-
-            fn cell(&self) -> Cell<'_> {
+        impl Field for $type {
+            fn columns<R: 'static>(
+                declared: Column,
+                find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static,
+            ) -> Columns<R> {
                 let cell: fn(&Self) -> Cell<'_> = $cell;
-                cell(self)
+                vec![(Column { kind: Kind::$kind, ..declared }, Box::new(move |row| cell(find(row))))]
             }
         }
     )*};
@@ -104,30 +106,12 @@ macro_rules! values {
 
 values! {
     String: Text = |text| Cell::Text(Some(text));
+    &'static str: Text = |text| Cell::Text(Some(text));
     Arc<str>: Text = |text| Cell::Text(Some(text));
     u64: Count = |count| Cell::Count(*count);
     bool: Flag = |flag| Cell::Flag(*flag);
     f64: Number = |number| Cell::Number(Some(*number).filter(|x| x.is_finite()));
     Option<f64>: Number = |number| Cell::Number(number.filter(|x| x.is_finite()));
-}
-
-/// A field of a row: a value with its own column, or a struct of fields with a column each.
-pub trait Field: Sized + 'static {
-    /// The columns of the field, and how they are read off a row `R` in which `find` finds it. `declared` is what the
-    /// row says about the field.
-    fn columns<R: 'static>(
-        declared: Column,
-        find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static,
-    ) -> Vec<(Column, Read<R>)>;
-}
-
-impl<V: Value + 'static> Field for V {
-    fn columns<R: 'static>(
-        declared: Column,
-        find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static,
-    ) -> Vec<(Column, Read<R>)> {
-        vec![(Column { kind: V::KIND, ..declared }, Box::new(move |row| find(row).cell()))]
-    }
 }
 
 /// Declares the struct of a row (or of a part of one), public and field by field:
@@ -159,12 +143,13 @@ macro_rules! record {
             fn columns<R: 'static>(
                 _: $crate::table::Column,
                 find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static,
-            ) -> Vec<($crate::table::Column, $crate::table::Read<R>)> {
+            ) -> $crate::table::Columns<R> {
                 let mut columns = Vec::new();
                 $({
                     let find = find.clone();
-                    let declared = $crate::table::Column::number(
+                    let declared = $crate::table::Column::new(
                         $crate::table::record!(@name $field $($column)?),
+                        $crate::table::Kind::Number,
                         $crate::table::record!(@unit $($($unit)?)?),
                         $crate::table::record!(@meaning $($meaning)?),
                     )$($(.$outside())?)?;
@@ -201,7 +186,7 @@ pub struct Layout<R> {
 
 impl<R: 'static> Layout<R> {
     /// A table with these columns; `names` are those of the table and of a row.
-    pub fn new(names: [&'static str; 2], meaning: &'static str, columns: Vec<(Column, Read<R>)>) -> Self {
+    pub fn new(names: [&'static str; 2], meaning: &'static str, columns: Columns<R>) -> Self {
         let [table, row] = names;
         let (columns, reads) = columns.into_iter().unzip();
         Self { shape: Shape { table, row, by_time: false, meaning, columns }, reads }
@@ -212,7 +197,7 @@ impl<R: 'static> Layout<R> {
     where
         R: Field,
     {
-        Self::new(names, meaning, R::columns(Column::number("", None, ""), |row| row))
+        Self::new(names, meaning, R::columns(Column::new("", Kind::Number, None, ""), |row| row))
     }
 
     /// The same table, with rows of one time together in XML.

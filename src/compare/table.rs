@@ -1,37 +1,17 @@
 //! A comparison as a file and on the terminal.
 
-use super::{ControllerRow, METRICS, Measured, Metric};
+use super::metrics::{METRICS, Metric};
+use super::paired::{ControllerRow, Measured};
 use crate::output::{OutputError, write_json, write_table};
 use crate::run::{FileSchema, Schema};
-use crate::table::{Cell, Column, Kind, Layout, Read};
+use crate::table::Layout;
 use comfy_table::{CellAlignment, Table, presets};
 use std::path::Path;
 use std::sync::LazyLock;
 
-/// `comparison.csv`: one row per controller. Four columns per metric: the mean over the seeds, then the paired
-/// difference to the first controller, its standard deviation and the half width of its 95 % t interval.
-pub static COMPARISON: LazyLock<Layout<ControllerRow>> = LazyLock::new(|| {
-    let text = |name: &str, kind: Kind, meaning: &str| Column { kind, ..Column::number(name, None, meaning) };
-    let mut columns: Vec<(Column, Read<ControllerRow>)> = vec![
-        (text("controller", Kind::Text, "The controller"), Box::new(|r| Cell::Text(Some(&r.controller)))),
-        (text("seeds", Kind::Count, "Seeds that it ran with"), Box::new(|r| Cell::Count(r.seeds))),
-    ];
-    for (k, metric) in METRICS.iter().enumerate() {
-        let parts: [(&str, &str, fn(&Measured) -> Option<f64>); 4] = [
-            ("", "mean over the seeds", |m| m.mean),
-            ("_diff", "mean paired difference to the first controller", |m| Some(m.difference?.mean)),
-            ("_diff_sd", "standard deviation of the paired difference", |m| m.difference?.sd),
-            ("_diff_ci95", "half width of the 95 % t interval of the difference", |m| m.difference?.half_width),
-        ];
-        for (suffix, what, read) in parts {
-            let unit = Some(metric.unit).filter(|unit| !unit.is_empty());
-            let column = Column::number(format!("{}{suffix}", metric.name), unit, format!("{}: {what}", metric.title));
-            let finite = move |row: &ControllerRow| read(&row.metrics[k]).filter(|x| x.is_finite());
-            columns.push((column, Box::new(move |row| Cell::Number(finite(row)))));
-        }
-    }
-    Layout::new(["comparison", "controller"], "One row per controller", columns)
-});
+/// `comparison.csv`.
+pub static COMPARISON: LazyLock<Layout<ControllerRow>> =
+    LazyLock::new(|| Layout::of_record(["comparison", "controller"], "One row per controller"));
 
 /// Writes `comparison.csv`, and `schema.json` beside it.
 ///

@@ -4,7 +4,6 @@ use super::signals::Signal;
 use crate::cosim::CosimError;
 use crate::output::OutputError;
 use crate::reference::ReferenceError;
-use crate::registry::UnknownName;
 use crate::scenario::ScenarioError;
 use crate::sumo_files::SumoFileError;
 use crate::traci;
@@ -48,9 +47,6 @@ pub enum RunError {
     /// The profile.
     #[error("[target]: {0}")]
     Reference(#[from] ReferenceError),
-    /// A name that no registry has.
-    #[error(transparent)]
-    Unknown(#[from] UnknownName),
     /// The system refuses threads or sockets.
     #[error("cannot start the run: {0}")]
     System(String),

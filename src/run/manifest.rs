@@ -88,10 +88,7 @@ impl Manifest {
 }
 
 /// SHA-256 of a file's bytes, hexadecimal.
-///
-/// # Errors
-/// [`OutputError::File`] if it cannot be read.
-pub fn sha256_of(path: &Path) -> Result<String, OutputError> {
+fn sha256_of(path: &Path) -> Result<String, OutputError> {
     let mut hash = Sha256::new();
     let mut file = File::open(path).map_err(file_error("open", path))?;
     let mut buffer = vec![0; 1 << 16];

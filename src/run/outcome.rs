@@ -2,11 +2,10 @@
 
 use super::error::RunError;
 use super::rows::{EdgeRow, VehicleRow, edge_rows};
-use super::summary::{NO_EGOS, Summary, SumoTotals};
+use super::summary::{NO_EGOS, SumoTotals};
 use crate::cosim::{Counters, Finished, Records};
 use crate::scenario::Scenario;
-use crate::sumo_files::{SumoCommand, SumoStatistics, TripInfo, Trips};
-use std::sync::Arc;
+use crate::sumo_files::{SumoCommand, SumoStatistics, Trips};
 
 /// Rows and totals of a run.
 pub struct Outcome {
@@ -14,9 +13,10 @@ pub struct Outcome {
     pub rows: Vec<VehicleRow>,
     /// Errors by road.
     pub edges: Vec<EdgeRow>,
-    totals: SumoTotals,
-    /// As [`NO_EGOS`].
-    counts: [u64; NO_EGOS.len()],
+    /// Totals of the whole traffic.
+    pub totals: SumoTotals,
+    /// Counts of vehicles that are no egos, as [`NO_EGOS`].
+    pub counts: [u64; NO_EGOS.len()],
 }
 
 impl Outcome {
@@ -38,8 +38,12 @@ impl Outcome {
             _ => (None, Trips::default()),
         };
         let counters = &records.counters;
+        // SUMO's own `vehicleTripStatistics` also average over unfinished trips, hence the trips.
+        let (arrived, time_loss_mean_s) = trips.arrivals();
         let totals = match statistics {
-            Some(statistics) => totals(&statistics, &trips),
+            Some(SumoStatistics { inserted, collisions, teleports, .. }) => {
+                SumoTotals { inserted, arrived, time_loss_mean_s, collisions, teleports }
+            }
             None => SumoTotals {
                 inserted: counters.departed,
                 arrived: counters.arrived,
@@ -50,56 +54,21 @@ impl Outcome {
         };
         let edges = edge_rows(&records.roads);
         let counts = [counters.unequipped, counters.others.values().sum(), counters.refused.len() as u64];
-        let names = Names::new(scenario);
-        let rows = records
-            .finished
-            .into_iter()
-            .map(|record| {
-                let trip = trips.by_id.get(&*record.id);
-                row(record, trip, &names, time_s)
-            })
-            .collect();
+        let rows = records.finished.into_iter().map(|record| row(record, &trips, scenario, time_s)).collect();
         Ok(Self { rows, edges, totals, counts })
     }
-
-    /// The summary of a run of `simulated_s` seconds that took `wall_s` seconds.
-    pub fn summary(&self, simulated_s: f64, wall_s: f64) -> Summary {
-        let mut summary = Summary::new(&self.rows, self.totals, simulated_s, wall_s);
-        summary.counts.extend(NO_EGOS.iter().zip(self.counts).map(|((name, _), count)| ((*name).to_owned(), count)));
-        summary
-    }
 }
 
-/// From SUMO's outputs. Their `vehicleTripStatistics` also average over unfinished trips, hence the trips.
-fn totals(statistics: &SumoStatistics, trips: &Trips) -> SumoTotals {
-    let (arrived, time_loss_mean_s) = trips.arrivals();
-    SumoTotals {
-        inserted: statistics.inserted,
-        arrived,
-        time_loss_mean_s,
-        collisions: statistics.collisions,
-        teleports: statistics.teleports,
-    }
-}
-
-/// Names of controller and target by group, shared by all rows.
-struct Names(Vec<[Arc<str>; 2]>);
-
-impl Names {
-    fn new(scenario: &Scenario) -> Self {
-        Self(scenario.groups.iter().map(|g| [Arc::from(g.controller.name()), Arc::from(g.target.name())]).collect())
-    }
-}
-
-fn row(record: Finished, trip: Option<&TripInfo>, names: &Names, end_s: f64) -> VehicleRow {
+fn row(record: Finished, trips: &Trips, scenario: &Scenario, end_s: f64) -> VehicleRow {
+    let trip = trips.by_id.get(&*record.id);
+    let group = &scenario.groups[record.group];
     let depart = trip.map_or(record.depart_s, |t| t.depart_s);
     let arrival = trip.and_then(|t| t.arrival_s).or(record.arrival_s);
-    let [controller, target] = names.0[record.group].clone();
     VehicleRow {
         id: record.id.to_string(),
         vehicle_type: record.type_id.into(),
-        controller,
-        target,
+        controller: group.controller.name(),
+        target: group.target.name(),
         depart,
         arrival,
         duration: Some(arrival.unwrap_or(end_s) - depart),

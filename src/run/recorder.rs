@@ -2,9 +2,9 @@
 
 use super::error::RunError;
 use super::outcome::Outcome;
-use super::result_dir::ResultDir;
+use super::result_dir::{ResultDir, SCHEMA};
 use super::rows::{EDGES, SampleRow, TRACE, TraceRow, VEHICLES, sort_vehicles};
-use super::sampler::Sampler;
+use super::sampler::{SAMPLED, Sampler};
 use super::schema::Schema;
 use crate::cosim::{Ego, World};
 use crate::fleet::block::Block;
@@ -31,8 +31,8 @@ impl Recorder {
             Some((table, output.trace.clone(), output.trace_period_s.map_or(1, steps)))
         };
         let trace_file = trace.is_some().then_some(output.trace_file.as_str());
-        dir.write_schema(&Schema::of_run(&output.vehicles, trace_file))?;
-        let sampler = Sampler::create(&dir.file("sample.csv"), scenario.sumo.seed)?;
+        dir.write(SCHEMA, &Schema::of_run(&output.vehicles, trace_file))?;
+        let sampler = Sampler::create(&dir.file("sample.csv"), scenario.sumo.seed, SAMPLED)?;
         Ok(Self { trace, sampler, sample_every: steps(1.0), step: 0 })
     }
 
@@ -50,22 +50,13 @@ impl Recorder {
             }
         }
         if self.step.is_multiple_of(self.sample_every) {
-            self.sample(world)?;
-        }
-        Ok(())
-    }
-
-    fn sample(&mut self, world: &World) -> Result<(), RunError> {
-        for (ego, block) in world.driving().filter(|(ego, _)| self.sampler.follows(ego.id())).collect::<Vec<_>>() {
-            let lane = ego.slot.lane();
-            self.sampler.write(&SampleRow {
-                time: world.time_s(),
-                id: ego.id().clone(),
-                speed: block.speed_mps(lane),
-                target: target_mps(block, lane),
-                distance: block.distance_m(lane),
-                torque: block.torque_nm(lane),
-            })?;
+            for (ego, block) in world.driving() {
+                if self.sampler.follows(ego.id()) {
+                    let TraceRow { time, id, speed, target, distance, torque, .. } =
+                        trace_row(ego, block, world.time_s());
+                    self.sampler.write(&SampleRow { time, id, speed, target, distance, torque })?;
+                }
+            }
         }
         Ok(())
     }

@@ -5,15 +5,14 @@ use super::manifest::{Input, Manifest};
 use super::outcome::{self, Outcome};
 use super::profile::Profile;
 use super::recorder::Recorder;
-use super::result_dir::ResultDir;
+use super::result_dir::{ResultDir, SUMMARY};
 use super::rows::VehicleRow;
 use super::signals::Signal;
 use super::summary::Summary;
-use crate::cosim::{Records, World};
+use crate::cosim::Records;
 use crate::output::OutputError;
 use crate::scenario::Scenario;
 use crate::sumo_files::{SumoCommand, sumo_arguments};
-use crate::traci::SumoVersion;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -51,13 +50,17 @@ impl RunResult {
 
 /// Writes a result.
 pub(super) struct ResultWriter {
-    scenario: Scenario,
-    dir: ResultDir,
-    manifest: Manifest,
+    /// What is run.
+    pub scenario: Scenario,
+    /// The folder.
+    pub dir: ResultDir,
+    /// Its `run.json`.
+    pub manifest: Manifest,
+    /// The files that are written while the run goes on; none before SUMO was joined, and after the result was written.
+    pub recorder: Option<Recorder>,
+    /// What the user should be told.
+    pub notes: Vec<String>,
     command: SumoCommand,
-    /// None before SUMO was joined, and after the result was written.
-    recorder: Option<Recorder>,
-    notes: Vec<String>,
     started: Instant,
 }
 
@@ -75,44 +78,12 @@ impl ResultWriter {
         Ok(Self { scenario, dir, manifest, command, recorder: None, notes: Vec::new(), started })
     }
 
-    /// What is run.
-    pub fn scenario(&self) -> &Scenario {
-        &self.scenario
-    }
-
-    /// The folder of SUMO's log and outputs.
-    pub fn sumo_folder(&self) -> Result<PathBuf, OutputError> {
-        self.dir.sumo()
-    }
-
     /// The arguments for SUMO, noted in the manifest with its path.
     pub fn sumo_command(&mut self, binary: &Path) -> Result<Vec<String>, OutputError> {
         let words = [binary.display().to_string()].into_iter().chain(self.command.arguments.iter().cloned());
         self.manifest.sumo_command = words.collect();
         self.dir.write_manifest(&self.manifest)?;
         Ok(self.command.arguments.clone())
-    }
-
-    /// SUMO has answered.
-    pub fn joined(&mut self, version: &SumoVersion) {
-        self.manifest.sumo_version = Some(version.text.clone());
-        self.manifest.sumo_api = Some(version.api);
-    }
-
-    /// Opens the files that are written while the run goes on.
-    pub fn open(&mut self, world: &World) -> Result<(), RunError> {
-        self.recorder = Some(Recorder::open(&self.scenario, &self.dir, world)?);
-        Ok(())
-    }
-
-    /// The files that are written while the run goes on; none once the result is written.
-    pub fn recorder(&mut self) -> Option<&mut Recorder> {
-        self.recorder.as_mut()
-    }
-
-    /// Adds something that the user should be told.
-    pub fn note(&mut self, note: String) {
-        self.notes.push(note);
     }
 
     /// Nothing was computed: the manifest says why.
@@ -156,9 +127,10 @@ impl ResultWriter {
         self.manifest.notes.extend(self.notes.iter().cloned());
         let own_sumo = self.scenario.sumo.connect.is_none().then_some(&self.command);
         let mut outcome = Outcome::new(&self.scenario, records, time_s, own_sumo, incomplete.is_some())?;
-        let summary = outcome.summary(time_s - begin_s, self.started.elapsed().as_secs_f64());
+        let times_s = [time_s - begin_s, self.started.elapsed().as_secs_f64()];
+        let summary = Summary::new(&outcome.rows, outcome.counts, outcome.totals, times_s);
         let tables = recorder.finish(&self.dir, &self.scenario, &mut outcome);
-        self.dir.write_summary(&summary)?;
+        self.dir.write(SUMMARY, &summary)?;
         tables?;
         self.dir.finish(&mut self.manifest, incomplete)?;
         Ok(RunResult {

@@ -2,17 +2,18 @@
 
 use super::error::RunError;
 use super::manifest::{Manifest, Status};
-use super::schema::Schema;
-use super::summary::Summary;
 use crate::output::{FORMATS, OutputError, file_error, part_of, write_json};
+use serde::Serialize;
 use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
 
 /// The tables that a run or a comparison may write, without suffix.
 const TABLES: [&str; 5] = ["vehicles", "trace", "edges", "sample", "comparison"];
 const MANIFEST: &str = "run.json";
-const SUMMARY: &str = "summary.json";
-const SCHEMA: &str = "schema.json";
+/// The summary.
+pub(super) const SUMMARY: &str = "summary.json";
+/// What the files contain.
+pub(super) const SCHEMA: &str = "schema.json";
 
 /// The folder that a run writes to, held for as long as this value lives.
 #[derive(Debug)]
@@ -70,23 +71,15 @@ impl ResultDir {
     /// # Errors
     /// [`OutputError::File`] if it cannot be written.
     pub fn write_manifest(&self, manifest: &Manifest) -> Result<PathBuf, OutputError> {
-        write_json(&self.file(MANIFEST), manifest)
+        self.write(MANIFEST, manifest)
     }
 
-    /// Writes `summary.json`.
+    /// Writes one of the other files of JSON.
     ///
     /// # Errors
     /// [`OutputError::File`] if it cannot be written.
-    pub fn write_summary(&self, summary: &Summary) -> Result<PathBuf, OutputError> {
-        write_json(&self.file(SUMMARY), summary)
-    }
-
-    /// Writes `schema.json`.
-    ///
-    /// # Errors
-    /// [`OutputError::File`] if it cannot be written.
-    pub fn write_schema(&self, schema: &Schema) -> Result<PathBuf, OutputError> {
-        write_json(&self.file(SCHEMA), schema)
+    pub fn write(&self, name: &str, value: &impl Serialize) -> Result<PathBuf, OutputError> {
+        write_json(&self.file(name), value)
     }
 
     /// Ends the manifest: status `complete`, or `incomplete` with the reason, and the list of all files that are there,

@@ -1,8 +1,8 @@
 //! The rows of the tables of a run. Each field is declared once, with column, unit and meaning.
 
 use crate::cosim::{Reason, Roads};
-use crate::stats::VehicleStats;
-use crate::table::{Cell, Column, Field, Kind, Layout, Read, record};
+use crate::stats::{Sums, VehicleStats};
+use crate::table::{Cell, Column, Columns, Field, Kind, Layout, record};
 use std::sync::{Arc, LazyLock};
 
 record! {
@@ -11,8 +11,8 @@ record! {
     pub struct VehicleRow {
         id: String = "SUMO's id of the vehicle";
         vehicle_type as "type": Arc<str> = "Its vType";
-        controller: Arc<str> = "The controller that drove it";
-        target: Arc<str> = "The target that it followed";
+        controller: &'static str = "The controller that drove it";
+        target: &'static str = "The target that it followed";
         depart: f64 = "Time of departure, as in SUMO's tripinfo" ["s"] not_in_summary;
         arrival: Option<f64> = "Time of arrival, as in SUMO's tripinfo" ["s"] not_in_summary;
         duration: Option<f64> = "From departure to arrival, or to the end of the run" ["s"];
@@ -29,19 +29,14 @@ record! {
 
 /// An ending has two columns.
 impl Field for Reason {
-    fn columns<R: 'static>(
-        _: Column,
-        find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static,
-    ) -> Vec<(Column, Read<R>)> {
-        let column = |name: &str, kind: Kind, meaning: &str| Column { kind, ..Column::number(name, None, meaning) };
+    fn columns<R: 'static>(_: Column, find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static) -> Columns<R> {
         let reasons = format!("How the row ended: {}", Self::ALL.map(Self::as_str).join(", "));
-        let reason = find.clone();
+        let reason = Column::new("reason", Kind::Text, None, reasons);
+        let complete = Column::new("complete", Kind::Flag, None, "True if the vehicle arrived");
+        let find_again = find.clone();
         vec![
-            (column("reason", Kind::Text, &reasons), Box::new(move |row| Cell::Text(Some(reason(row).as_str())))),
-            (
-                column("complete", Kind::Flag, "True if the vehicle arrived"),
-                Box::new(move |row| Cell::Flag(*find(row) == Self::Arrived)),
-            ),
+            (reason, Box::new(move |row| Cell::Text(Some(find(row).as_str())))),
+            (complete, Box::new(move |row| Cell::Flag(*find_again(row) == Self::Arrived))),
         ]
     }
 }
@@ -101,7 +96,7 @@ record! {
 /// The edges on which egos were seen, ordered by id.
 pub fn edge_rows(roads: &Roads) -> Vec<EdgeRow> {
     let driven = roads.iter().filter(|(_, sums)| sums.samples > 0);
-    let row = |(edge, sums): (&str, &crate::stats::Sums)| {
+    let row = |(edge, sums): (&str, &Sums)| {
         let n = sums.samples as f64;
         EdgeRow {
             edge: edge.to_owned(),

@@ -10,15 +10,15 @@ use crate::output::{OutputError, Table, file_error};
 use crate::random::Stream;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Seek, Write};
+use std::io::Seek;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Vehicles in `sample.csv`.
 pub const SAMPLED: usize = 200;
 
-/// Bytes of one point in the unnamed file: the vehicle's number and five doubles.
-const POINT: usize = 48;
+/// One point in the unnamed file: the vehicle's number, time, speed, target, distance and torque.
+type Point = (u64, f64, f64, f64, f64, f64);
 
 /// Follows a sample of the vehicles.
 #[derive(Debug)]
@@ -30,19 +30,15 @@ pub struct Sampler {
     followed: BTreeMap<(u64, Arc<str>), u64>,
     numbers: HashMap<Arc<str>, u64>,
     next: u64,
-    points: BufWriter<File>,
+    points: csv::Writer<File>,
 }
 
 impl Sampler {
-    /// A sample for the file at `path`, drawn with the run's seed.
+    /// A sample of at most `limit` vehicles for the file at `path`, drawn with the run's seed.
     ///
     /// # Errors
     /// [`OutputError::File`] if no file can be made in the folder of `path`.
-    pub fn create(path: &Path, seed: u64) -> Result<Self, OutputError> {
-        Self::with_limit(path, seed, SAMPLED)
-    }
-
-    fn with_limit(path: &Path, seed: u64, limit: usize) -> Result<Self, OutputError> {
+    pub fn create(path: &Path, seed: u64, limit: usize) -> Result<Self, OutputError> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let points = tempfile::tempfile_in(folder).map_err(file_error("create a file in", folder))?;
         Ok(Self {
@@ -52,7 +48,7 @@ impl Sampler {
             followed: BTreeMap::new(),
             numbers: HashMap::new(),
             next: 0,
-            points: BufWriter::new(points),
+            points: csv::Writer::from_writer(points),
         })
     }
 
@@ -83,12 +79,8 @@ impl Sampler {
     /// [`OutputError::File`] naming the table, e.g. when the disk is full.
     pub fn write(&mut self, row: &SampleRow) -> Result<(), OutputError> {
         let Some(number) = self.numbers.get(&row.id) else { return Ok(()) };
-        let mut point = [0; POINT];
-        let values = [row.time, row.speed, row.target, row.distance, row.torque].map(f64::to_bits);
-        for (bytes, value) in point.chunks_exact_mut(8).zip([*number].into_iter().chain(values)) {
-            bytes.copy_from_slice(&value.to_le_bytes());
-        }
-        self.points.write_all(&point).map_err(file_error("write", &self.path))
+        let point: Point = (*number, row.time, row.speed, row.target, row.distance, row.torque);
+        self.points.serialize(point).map_err(|e| file_error("write", &self.path)(e.into()))
     }
 
     /// Writes the table: the points of those who are left, in the order of time.
@@ -101,18 +93,14 @@ impl Sampler {
         let mut points = points.into_inner().map_err(|e| file_error("write", &path)(e.into_error()))?;
         points.rewind().map_err(file_error("read", &path))?;
         let mut table = Table::create(&path, &SAMPLE)?;
-        let (mut points, mut point) = (BufReader::new(points), [0; POINT]);
-        loop {
-            match points.read_exact(&mut point) {
-                Ok(()) => {}
-                Err(end) if end.kind() == std::io::ErrorKind::UnexpectedEof => return table.finish(),
-                Err(error) => return Err(file_error("read", &path)(error)),
+        for point in csv::ReaderBuilder::new().has_headers(false).from_reader(points).deserialize() {
+            let (number, time, speed, target, distance, torque): Point =
+                point.map_err(|e| file_error("read", &path)(e.into()))?;
+            if let Some(id) = ids.get(&number) {
+                table.write(&SampleRow { time, id: id.clone(), speed, target, distance, torque })?;
             }
-            let word = |i: usize| u64::from_le_bytes(std::array::from_fn(|k| point[8 * i + k]));
-            let Some(id) = ids.get(&word(0)) else { continue };
-            let [time, speed, target, distance, torque] = [1, 2, 3, 4, 5].map(|i| f64::from_bits(word(i)));
-            table.write(&SampleRow { time, id: id.clone(), speed, target, distance, torque })?;
         }
+        table.finish()
     }
 }
 
@@ -123,7 +111,7 @@ mod tests {
     /// Vehicle k departs at k seconds and drives for 20 s; returns the lines of the table.
     fn run(seed: u64, vehicles: u32, limit: usize) -> Vec<String> {
         let folder = tempfile::tempdir().unwrap();
-        let mut sampler = Sampler::with_limit(&folder.path().join("sample.csv"), seed, limit).unwrap();
+        let mut sampler = Sampler::create(&folder.path().join("sample.csv"), seed, limit).unwrap();
         let ids: Vec<Arc<str>> = (0..vehicles).map(|k| format!("veh{k}").into()).collect();
         for time in 0..vehicles + 20 {
             if let Some(id) = ids.get(time as usize) {

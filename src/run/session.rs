@@ -101,7 +101,7 @@ impl Session {
     /// # Errors
     /// [`RunError::Broken`] if SUMO or the disk fails; [`RunError::Ended`] after that.
     pub async fn step(&mut self) -> Result<(), RunError> {
-        let Some(recorder) = self.result.recorder() else { return Err(RunError::Ended) };
+        let Some(recorder) = &mut self.result.recorder else { return Err(RunError::Ended) };
         match step(&mut self.world, recorder, &mut self.profiler).await {
             Ok(()) => Ok(()),
             Err(error) => {
@@ -145,11 +145,11 @@ impl Session {
 
     /// As [`Session::finish`], with the reason if the result is incomplete.
     pub(super) async fn close(mut self, incomplete: Option<String>) -> Result<RunResult, RunError> {
-        if self.result.recorder().is_none() {
+        if self.result.recorder.is_none() {
             return Err(RunError::Ended);
         }
         if incomplete.is_none() && self.end() == Some(End::Endless) {
-            self.result.note(format!(
+            self.result.notes.push(format!(
                 "the configuration has no end and no vehicle has arrived in {ENDLESS_S} s: stopped here; --end sets another end"
             ));
         }
@@ -221,7 +221,7 @@ async fn reach_sumo(
     process: &mut Option<SumoProcess>,
     stopped: impl Future<Output = Signal>,
 ) -> Result<Client, RunError> {
-    let sumo = result.scenario().sumo.clone();
+    let sumo = result.scenario.sumo.clone();
     if let Some(address) = sumo.connect {
         let mut client = Client::join(address, REACH, PATIENCE).await?;
         client.set_order(1).await?;
@@ -229,7 +229,7 @@ async fn reach_sumo(
     }
     let binary = find_named(options.sumo.as_deref(), if sumo.gui { "sumo-gui" } else { "sumo" })?;
     let arguments = result.sumo_command(&binary.path)?;
-    let process = process.insert(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.sumo_folder()?)?);
+    let process = process.insert(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.dir.sumo()?)?);
     let mut client = tokio::select! {
         client = process.connect(PATIENCE) => client?,
         signal = stopped => return Err(RunError::Interrupted(signal)),
@@ -242,13 +242,14 @@ async fn reach_sumo(
 
 /// Joins SUMO with the fleet, asks for the end, and opens the files.
 async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Option<f64>), RunError> {
-    result.joined(client.version());
-    let mut world = World::join(client, setup::world(result.scenario())?).await?;
-    let end_s = match result.scenario().sumo.end_s {
+    let version = client.version();
+    (result.manifest.sumo_version, result.manifest.sumo_api) = (Some(version.text.clone()), Some(version.api));
+    let mut world = World::join(client, setup::world(&result.scenario)?).await?;
+    let end_s = match result.scenario.sumo.end_s {
         Some(end_s) => Some(end_s),
         None => Some(world.end_s().await?).filter(|end_s| *end_s >= 0.0),
     };
-    result.open(&world)?;
+    result.recorder = Some(Recorder::open(&result.scenario, &result.dir, &world)?);
     Ok((world, end_s))
 }
 

@@ -45,13 +45,14 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Sums up a run of `simulated_s` seconds that took `wall_s` seconds.
-    pub fn new(rows: &[VehicleRow], sumo: SumoTotals, simulated_s: f64, wall_s: f64) -> Self {
+    /// Sums up a run; `others` counts vehicles that are no egos: not selected, of other classes, refused; times are the simulated and the real one.
+    pub fn new(rows: &[VehicleRow], others: [u64; 3], sumo: SumoTotals, [simulated_s, wall_s]: [f64; 2]) -> Self {
         let mut counts = BTreeMap::from([("vehicles".to_owned(), rows.len() as u64)]);
         for reason in Reason::ALL {
             let count = rows.iter().filter(|r| r.reason == reason).count();
             counts.insert(reason.as_str().to_owned(), count as u64);
         }
+        counts.extend(NO_EGOS.iter().zip(others).map(|((name, _), count)| ((*name).to_owned(), count)));
         let columns = VEHICLES.values(rows).filter(|(column, _)| column.in_summary);
         let fleet = columns
             .filter_map(|(column, cells)| Some((column.name.clone(), Spread::of(cells.filter_map(Cell::number))?)))
@@ -69,9 +70,7 @@ impl Summary {
 /// The fields of `summary.json`, as `schema.json` shows them.
 pub(super) fn summary_fields() -> Vec<Column> {
     let within = |object: &str, column: Column| Column { name: format!("{object}.{}", column.name), ..column };
-    let count = |name: &str, meaning: &str| {
-        within("counts", Column { kind: Kind::Count, ..Column::number(name, None, meaning) })
-    };
+    let count = |name: &str, meaning: &str| within("counts", Column::new(name, Kind::Count, None, meaning));
     let reasons =
         Reason::ALL.map(|r| count(r.as_str(), &format!("Egos whose row ended with the reason {}", r.as_str())));
     let sumo: Layout<SumoTotals> = Layout::of_record(["sumo", "run"], "SUMO's totals");
@@ -86,8 +85,8 @@ pub(super) fn summary_fields() -> Vec<Column> {
         .chain(sumo.shape.columns.into_iter().map(|column| within("sumo", column)))
         .chain(fleet.collect::<Vec<_>>())
         .chain([
-            Column::number("wall_s", Some("s"), "How long the run took"),
-            Column::number("real_time_factor", None, "Simulated over real time"),
+            Column::new("wall_s", Kind::Number, Some("s"), "How long the run took"),
+            Column::new("real_time_factor", Kind::Number, None, "Simulated over real time"),
         ])
         .collect()
 }
@@ -139,7 +138,7 @@ mod tests {
         rows[4].reason = Reason::Running;
         rows[4].stats.clamped_steps = 7;
         let totals = SumoTotals { inserted: 6, arrived: 4, time_loss_mean_s: Some(12.5), collisions: 1, teleports: 2 };
-        let summary = Summary::new(&rows, totals, 600.0, 20.0);
+        let summary = Summary::new(&rows, [0; 3], totals, [600.0, 20.0]);
         (rows, summary)
     }
 
@@ -188,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_run_without_egos_still_has_an_end() {
-        let summary = Summary::new(&[], SumoTotals::default(), 0.0, 0.0);
+        let summary = Summary::new(&[], [0; 3], SumoTotals::default(), [0.0; 2]);
         let text = terminal_text(&summary, &[], Path::new("out"), &[]);
         assert!(text.starts_with("vehicles       0\n") && text.contains("no samples"), "{text}");
     }

@@ -12,8 +12,8 @@ pub(crate) fn vehicle(id: &str, depart: f64) -> VehicleRow {
     VehicleRow {
         id: id.into(),
         vehicle_type: "pkw".into(),
-        controller: "adaptive".into(),
-        target: "traffic".into(),
+        controller: "adaptive",
+        target: "traffic",
         depart,
         arrival: Some(depart + 60.0),
         duration: Some(60.0),
