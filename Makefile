@@ -1,10 +1,11 @@
 # make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test bytes matrix bench setup setup-test clean
+.PHONY: help demo test bytes matrix fuzz bench setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
+fuzz_s ?= 60
 
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
@@ -22,6 +23,11 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 
 matrix: setup-test ## Every controller in seventeen conditions on four networks beside `ideal`, one line per run (an hour)
 	cargo test --release --locked --test matrix -- --ignored --nocapture
+
+fuzz: ## Feed SUMO's recorded answers, changed at random, to the decoder for fuzz_s=60 seconds (nightly Rust)
+	@cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "make fuzz needs: rustup toolchain install nightly && cargo install cargo-fuzz --locked" >&2; exit 1; }
+	@mkdir -p fuzz/corpus/decoder
+	cargo +nightly fuzz run decoder fuzz/corpus/decoder tests/data/traci/replies -- -max_total_time=$(fuzz_s)
 
 bench: ## The benchmarks, one line per figure; the last against real SUMO at up to 20 000 cars (half an hour)
 	.ci/with-sumo cargo bench --locked

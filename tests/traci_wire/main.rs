@@ -1,20 +1,20 @@
 //! The TraCI codec without SUMO: exact bytes, recorded replies whole, cut, with bytes left over and flipped, and noise.
 //!
-//! The recordings in `tests/data/traci/*.bin` are replies of real SUMO to the batches below; they are made anew with
+//! The recordings in `tests/data/traci/replies/` are replies of real SUMO to the batches below; they are made anew with
 //! `cargo test --test traci_wire record -- --ignored`.
+
+mod harness;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use harness::{MOTION, decode, events, gets, walk, with_length};
 use proptest::prelude::*;
-use sumo_mfc::traci::wire::{DecodeError, frame_length};
+use sumo_mfc::traci::wire::frame_length;
 use sumo_mfc::traci::{
     Batch, BatchError, Domain, Error, Index, MAX_ID_BYTES, Prefix, Subscribed, SumoProcess, Value, Var, find_sumo,
-    junction, lane, simulation, trafficlight, vehicle, vehicletype,
+    simulation, vehicle,
 };
-
-/// What a co-simulation subscribes to.
-const MOTION: (Var<f64, f64>, Var<f64>) = (vehicle::SPEED, vehicle::ANGLE);
 
 const VERSIONS: [&str; 2] = ["1.28.0", "1.15.0"];
 
@@ -22,80 +22,15 @@ fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/traci").join(name)
 }
 
-/// Statuses of all kinds, subscriptions accepted and refused, and a step with blocks. Sent at 20 s.
-fn events() -> Batch {
-    let mut batch = Batch::new();
-    let v0 = Prefix::new("v0").unwrap();
-    batch.set_previous_speed(&v0, 6.5, 0.25).unwrap();
-    batch.get(vehicle::SPEED, "v0").unwrap();
-    batch.get(vehicle::SPEED, "nobody").unwrap();
-    batch.subscribe_ids(Domain::Simulation, "", &[0x66, 0x74, 0x7a, 0x76, 0x78, 0x81, 0x7d], 20.0).unwrap();
-    batch.subscribe(MOTION, "v0", 20.0).unwrap();
-    batch.subscribe((vehicle::ROAD, vehicle::POSITION, vehicle::NEXT_LIGHTS), "v1", 20.0).unwrap();
-    batch.subscribe(vehicle::SPEED, "nobody", 20.0).unwrap();
-    batch.subscribe_with(vehicle::FOLLOWER, "v0", 100.0, 20.0).unwrap();
-    batch.subscribe(MOTION, "late", 20.0).unwrap();
-    batch.step().unwrap();
-    batch
-}
-
-/// Values of all types, compounds above all. Sent after [`events`].
-fn gets() -> Batch {
-    let mut batch = Batch::new();
-    batch.get(vehicle::NEXT_STOPS, "v0").unwrap();
-    batch.get_with(vehicle::STOPS, "v0", 0).unwrap();
-    batch.get(vehicle::NEXT_LIGHTS, "v0").unwrap();
-    batch.get(vehicle::NEXT_LINKS, "v0").unwrap();
-    batch.get(vehicle::BEST_LANES, "v0").unwrap();
-    batch.get_with(vehicle::NEIGHBORS, "v0", 2).unwrap();
-    batch.get_with(vehicle::FOES, "v0", 200.0).unwrap();
-    batch.get_with(vehicle::FOLLOWER, "v0", 100.0).unwrap();
-    batch.get(vehicle::POSITION, "v0").unwrap();
-    batch.get(vehicle::POSITION_3D, "v0").unwrap();
-    batch.get(vehicle::IDS, "").unwrap();
-    batch.get(vehicletype::COLOR, "ego").unwrap();
-    batch.get(lane::LINKS, "A0A1_0").unwrap();
-    batch.get(junction::SHAPE, "B1").unwrap();
-    batch.get(simulation::BOUNDING_BOX, "").unwrap();
-    batch.get(trafficlight::PROGRAMS, "A0").unwrap();
-    batch.get(trafficlight::CONTROLLED_LINKS, "A0").unwrap();
-    batch
-}
-
-/// Decodes everything in a reply and counts the values.
-fn walk(frame: &[u8], batch: &Batch) -> Result<usize, DecodeError> {
-    let mut index = Index::default();
-    let reply = index.read(frame, batch)?;
-    let mut count = 0;
-    for command in 0..reply.len() {
-        let _ = (reply.refusal(command), reply.f64(command), reply.text(command));
-        count += usize::from(reply.value(command)?.is_some());
-        for entry in reply.subscription(command)?.iter().flat_map(|block| block.values()) {
-            count += usize::from(entry?.1.is_ok());
-        }
-    }
-    for block in reply.blocks() {
-        let block = block?;
-        let _ = (block.read(MOTION), block.get(vehicle::SPEED));
-        for entry in block.values() {
-            count += usize::from(entry?.1.is_ok());
-        }
-    }
-    Ok(count)
-}
-
-fn with_length(bytes: &[u8]) -> Vec<u8> {
-    let mut frame = bytes.to_vec();
-    let length = i32::try_from(frame.len()).unwrap();
-    frame[..4].copy_from_slice(&length.to_be_bytes());
-    frame
+fn recorded(name: &str) -> PathBuf {
+    data("replies").join(name)
 }
 
 fn recordings() -> Vec<(String, Vec<u8>, Batch)> {
     let all = VERSIONS.iter().flat_map(|version| [(version, "events", events()), (version, "gets", gets())]);
     let read = |(version, kind, batch)| {
         let name = format!("{version}-{kind}.bin");
-        let bytes = std::fs::read(data(&name)).unwrap();
+        let bytes = std::fs::read(recorded(&name)).unwrap();
         (name, bytes, batch)
     };
     all.map(read).collect()
@@ -118,7 +53,7 @@ async fn record() {
             let reply = client.exchange(&batch).await.unwrap_or_else(|error| {
                 panic!("{version} {kind}: {error}: {}", std::fs::read_to_string(process.log()).unwrap())
             });
-            std::fs::write(data(&format!("{version}-{kind}.bin")), reply.frame()).unwrap();
+            std::fs::write(recorded(&format!("{version}-{kind}.bin")), reply.frame()).unwrap();
         }
         client.close().await.unwrap();
         process.shut_down(Duration::from_secs(10)).await.unwrap();
@@ -136,7 +71,7 @@ fn recorded_replies_decode_whole() {
 #[test]
 fn recorded_events_say_what_happened() {
     for version in VERSIONS {
-        let frame = std::fs::read(data(&format!("{version}-events.bin"))).unwrap();
+        let frame = std::fs::read(recorded(&format!("{version}-events.bin"))).unwrap();
         let mut index = Index::default();
         let reply = index.read(&frame, &events()).unwrap();
         let refused: Vec<_> = reply.refusals().map(|(command, refusal)| (command, refusal.text)).collect();
@@ -190,6 +125,13 @@ fn leftover_bytes_are_an_error() {
 }
 
 #[test]
+fn the_harness_of_the_fuzzer_takes_every_recording() {
+    for (_, frame, _) in recordings() {
+        decode(&frame);
+    }
+}
+
+#[test]
 fn flipped_bytes_never_panic() {
     for (_, frame, batch) in recordings() {
         for at in 0..frame.len() {
@@ -204,7 +146,7 @@ fn flipped_bytes_never_panic() {
 
 #[test]
 fn a_reply_to_another_batch_is_an_error() {
-    let frame = std::fs::read(data("1.28.0-gets.bin")).unwrap();
+    let frame = std::fs::read(recorded("1.28.0-gets.bin")).unwrap();
     assert!(walk(&frame, &events()).is_err());
     let mut shifted = Batch::new();
     shifted.get(vehicle::SPEED, "v0").unwrap();
@@ -213,12 +155,28 @@ fn a_reply_to_another_batch_is_an_error() {
 
 proptest! {
     #[test]
-    fn noise_never_panics(bytes in proptest::collection::vec(any::<u8>(), 0..300), length_right in any::<bool>()) {
-        let frame = if length_right && bytes.len() >= 4 { with_length(&bytes) } else { bytes };
-        let _ = frame_length(&frame);
-        for batch in [events(), gets()] {
-            let _ = walk(&frame, &batch);
+    fn noise_never_panics(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        decode(&bytes);
+    }
+
+    /// As a fuzzer does it: parts of recorded replies one behind the other, with some bytes changed.
+    #[test]
+    fn mutated_replies_never_panic(
+        parts in proptest::collection::vec((0..4_usize, any::<prop::sample::Index>(), any::<prop::sample::Index>()), 1..4),
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..8),
+    ) {
+        let recordings = recordings();
+        let mut bytes = Vec::new();
+        for (which, from, to) in parts {
+            let frame = &recordings[which].1;
+            let (from, to) = (from.index(frame.len()), to.index(frame.len()));
+            bytes.extend(&frame[from.min(to)..=from.max(to)]);
         }
+        for (at, value) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = value;
+        }
+        decode(&bytes);
     }
 
     /// Bytes that look like an accepted get followed by a block of noise get past the outer checks.
