@@ -48,6 +48,7 @@ const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "sumo_files",
     "reference/table",
     "traci/client",
+    "traci/find",
     "traci/process",
     "run",
     "doctor",
