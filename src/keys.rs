@@ -111,24 +111,6 @@ pub enum Value {
     Texts(Vec<String>),
 }
 
-impl From<f64> for Value {
-    fn from(number: f64) -> Self {
-        Self::Number(number)
-    }
-}
-
-impl From<bool> for Value {
-    fn from(flag: bool) -> Self {
-        Self::Flag(flag)
-    }
-}
-
-impl From<&str> for Value {
-    fn from(text: &str) -> Self {
-        Self::Text(text.to_owned())
-    }
-}
-
 /// The checked values of one section by the names of their keys. A key that is not set has none.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Values(pub BTreeMap<&'static str, Value>);
@@ -141,8 +123,8 @@ impl Values {
 
     /// The same values with `name` set to `value`.
     #[must_use]
-    pub fn with(mut self, name: &'static str, value: impl Into<Value>) -> Self {
-        self.0.insert(name, value.into());
+    pub fn with(mut self, name: &'static str, value: impl Setting) -> Self {
+        self.0.extend(value.to_value().map(|value| (name, value)));
         self
     }
 
@@ -167,13 +149,10 @@ pub trait Keys: Default {
 /// A type that the value of a key can have.
 pub trait Setting: Sized {
     /// How a default of this type is written in a declaration.
-    type Literal;
+    type Literal: Into<Self>;
 
     /// What a key of this type takes, before a unit and a range are set.
     const KIND: Kind;
-
-    /// The default of a declaration.
-    fn from_literal(literal: Self::Literal) -> Self;
 
     /// Reads a value; `None` if it is one of another kind.
     fn from_value(value: &Value) -> Option<Self>;
@@ -194,10 +173,6 @@ macro_rules! setting {
         impl Setting for $type {
             type Literal = $literal;
             const KIND: Kind = $kind;
-
-            fn from_literal(literal: $literal) -> Self {
-                literal.into()
-            }
 
             fn from_value(value: &Value) -> Option<Self> {
                 let read: fn(&_) -> Option<Self> = $read;
@@ -228,12 +203,8 @@ setting! {
 }
 
 impl<T: Setting> Setting for Option<T> {
-    type Literal = T::Literal;
+    type Literal = T;
     const KIND: Kind = T::KIND;
-
-    fn from_literal(literal: T::Literal) -> Self {
-        Some(T::from_literal(literal))
-    }
 
     fn from_value(value: &Value) -> Option<Self> {
         T::from_value(value).map(Some)
@@ -315,7 +286,10 @@ macro_rules! keys {
         }
     };
     (@default $type:ty) => { $crate::keys::not_set::<$type>() };
-    (@default $type:ty, $default:expr) => { <$type as $crate::keys::Setting>::from_literal($default) };
+    (@default $type:ty, $default:expr) => {{
+        let literal: <$type as $crate::keys::Setting>::Literal = $default;
+        literal.into()
+    }};
     (@kind $type:ty) => { <$type as $crate::keys::Setting>::KIND };
     (@kind $type:ty, form $form:expr) => { $crate::keys::Kind::Form($form) };
     (@kind $type:ty, $unit:literal, $range:expr) => {
@@ -341,10 +315,6 @@ macro_rules! choice {
             type Literal = Self;
             const KIND: $crate::keys::Kind = $crate::keys::Kind::Choice(&[$($word),+]);
 
-            fn from_literal(literal: Self) -> Self {
-                literal
-            }
-
             fn from_value(value: &$crate::keys::Value) -> Option<Self> {
                 let $crate::keys::Value::Text(word) = value else { return None };
                 match word.as_str() {
@@ -354,7 +324,7 @@ macro_rules! choice {
             }
 
             fn to_value(&self) -> Option<$crate::keys::Value> {
-                Some(match self { $(Self::$variant => $word),+ }.into())
+                Some($crate::keys::Value::Text(match self { $(Self::$variant => $word),+ }.to_owned()))
             }
         }
     };

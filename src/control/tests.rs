@@ -18,7 +18,8 @@ fn laws() -> impl Iterator<Item = &'static Entry<Build>> {
 
 fn build(name: &str, changes: &[(&'static str, Value)]) -> Box<dyn Controller> {
     let entry = find("controller", &CONTROLLERS, name).unwrap();
-    let values = changes.iter().fold(Values::defaults(entry.keys), |v, (key, value)| v.with(key, value.clone()));
+    let mut values = Values::defaults(entry.keys);
+    values.0.extend(changes.iter().cloned());
     (entry.build)(&values, PERIOD_S).expect("a law")
 }
 
@@ -347,7 +348,7 @@ fn step_overshoots(name: &str) -> [f64; 2] {
     let (period_s, limit) = (0.001, 4.0 * NOMINAL);
     let entry = find("controller", &CONTROLLERS, name).unwrap();
     let values =
-        Values::defaults(entry.keys).with("accel_per_unit_mps2", number(0.4)).with("input_estimate", text("commanded"));
+        Values::defaults(entry.keys).with("accel_per_unit_mps2", 0.4).with("input_estimate", "commanded".to_owned());
     let mut controller = (entry.build)(&values, period_s).expect("a law");
     let (mut s, mut y, mut overshoot) = (0.0, 0.0, [0.0_f64; 2]);
     while s < 600.0 {

@@ -1,7 +1,6 @@
 //! Profiles through their public interface, files included.
 
 use super::*;
-use crate::keys::Value;
 use crate::registry::find;
 use std::io::Write;
 
@@ -229,7 +228,7 @@ fn the_registry_builds_each_target_from_its_keys() {
     let build = |name, changes: &[(&'static str, &str)]| {
         let entry = find("target", &TARGETS, name).unwrap();
         let defaults = Values::defaults(entry.keys);
-        let values = changes.iter().fold(defaults, |v, (k, x)| v.with(k, Value::Text((*x).to_owned())));
+        let values = changes.iter().fold(defaults, |v, (k, x)| v.with(k, (*x).to_owned()));
         (entry.build)(&values, Path::new("scenarios"))
     };
     assert_eq!(TARGETS[0].name, "traffic");

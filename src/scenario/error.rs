@@ -108,7 +108,7 @@ pub enum Wrong {
     },
     /// No entry has this name.
     #[error(transparent)]
-    Name(#[from] UnknownName),
+    Name(Box<UnknownName>),
     /// The file does not exist.
     #[error("{} does not exist", .0.display())]
     MissingFile(PathBuf),

@@ -1,6 +1,6 @@
 //! What a fleet is built from, as the scenario says.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::{
     error::ScenarioError,
@@ -8,8 +8,9 @@ use super::{
 };
 use crate::{
     fleet::{GroupSetup, LoopConfig},
+    keys::Keys,
     plant::{
-        DEAD_TIME_MAX_S,
+        ActuatorKeys, BodyKeys,
         tyre::{identify, read_curve},
     },
     reference::{ReferenceError, Target},
@@ -31,10 +32,7 @@ impl Scenario {
         let period_s = self.coupling.control_period_s;
         GroupSetup {
             controller: Box::new(move || (entry.build)(&values, period_s)),
-            dead_time_max_s: group
-                .actuator
-                .largest("delay_s")
-                .map_or(DEAD_TIME_MAX_S, |delay_s| DEAD_TIME_MAX_S.min(delay_s)),
+            dead_time_max_s: ActuatorKeys::from_values(&group.actuator.largest()).delay_s,
         }
     }
 }
@@ -53,7 +51,7 @@ impl Group {
     /// # Errors
     /// [`ScenarioError::Tyre`]
     pub fn load_tyre_curve(&self) -> Result<Option<String>, ScenarioError> {
-        let Some(path) = self.vehicle.body.values.get::<PathBuf>("tyre_curve") else { return Ok(None) };
+        let Some(path) = BodyKeys::from_values(&self.vehicle.body.values).tyre_curve else { return Ok(None) };
         let wrong = |what: String| ScenarioError::Tyre { path: path.clone(), what };
         let text = std::fs::read_to_string(&path).map_err(|e| wrong(e.to_string()))?;
         identify(&read_curve(&text).map_err(|e| wrong(e.to_string()))?).map_err(|e| wrong(e.to_string()))?;

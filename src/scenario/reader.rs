@@ -143,9 +143,10 @@ impl Reader {
     ) -> Option<registry::Entry<B>> {
         let entry = table.get(key)?;
         let path = format!("{path}.{key}");
-        let Some(name) = self.noted(text(entry, &path)) else { return None };
+        let name = self.noted(text(entry, &path))?;
         let found = find(kind, entries, name).cloned();
-        self.noted(found.map_err(|unknown| Mistake { place: entry.place.clone(), key: path, what: unknown.into() }))
+        let place = entry.place.clone();
+        self.noted(found.map_err(|unknown| Mistake { place, key: path, what: Wrong::Name(Box::new(unknown)) }))
     }
 
     /// What was read, or `None` and its mistake is noted.

@@ -96,10 +96,6 @@ impl Setting for Selector {
     type Literal = Self;
     const KIND: Kind = Kind::Form(|text| Self::parse(text).map(drop));
 
-    fn from_literal(literal: Self) -> Self {
-        literal
-    }
-
     fn from_value(value: &Value) -> Option<Self> {
         if let Value::Text(text) = value { Self::parse(text).ok() } else { None }
     }
@@ -113,10 +109,6 @@ impl Setting for Trace {
     type Literal = Self;
     const KIND: Kind = Kind::Text;
 
-    fn from_literal(literal: Self) -> Self {
-        literal
-    }
-
     fn from_value(value: &Value) -> Option<Self> {
         let Value::Text(text) = value else { return None };
         Some(match text.as_str() {
@@ -127,10 +119,10 @@ impl Setting for Trace {
     }
 
     fn to_value(&self) -> Option<Value> {
-        Some(match self {
-            Self::None => "none".into(),
-            Self::All => "all".into(),
-            Self::Ids(ids) => Value::Text(ids.join(",")),
-        })
+        Some(Value::Text(match self {
+            Self::None => "none".to_owned(),
+            Self::All => "all".to_owned(),
+            Self::Ids(ids) => ids.join(","),
+        }))
     }
 }

@@ -88,10 +88,11 @@ impl PerVehicle {
         Values(self.spread.iter().map(draw).collect())
     }
 
-    /// The largest value of a number that a vehicle can get, if it is set.
-    pub fn largest(&self, key: &str) -> Option<f64> {
-        let drawn = self.spread.iter().find(|(name, _)| *name == key).map(|(_, distribution)| distribution.largest());
-        drawn.or_else(|| self.values.get(key))
+    /// The largest values that a vehicle can get.
+    pub fn largest(&self) -> Values {
+        let mut values = self.values.clone();
+        values.0.extend(self.spread.iter().map(|(key, drawn)| (*key, Value::Number(drawn.largest()))));
+        values
     }
 }
 
@@ -126,7 +127,6 @@ mod tests {
         assert_ne!(drawn(1, "a"), drawn(1, "b"));
         let uniform = spread.spread[0].1;
         assert_ne!(uniform.draw(1, "delay_s", "a"), uniform.draw(1, "lag_s", "a"));
-        assert_eq!((spread.largest("delay_s"), spread.largest("lag_s")), (Some(1.0), Some(0.25)));
-        assert_eq!(spread.largest("mass_kg"), None);
+        assert_eq!(spread.largest(), Values::default().with("delay_s", 1.0).with("lag_s", 0.25));
     }
 }
