@@ -1,13 +1,14 @@
 //! Controllers side by side: the same scenario, seeds, vehicles and noise streams under each of them.
 //!
-//! A run enters with its [`Summary`](crate::run::Summary). Every number is first taken per run ([`METRICS`]), then averaged over the seeds.
-//! The difference to the first controller is paired: taken seed by seed, because two runs of one seed share demand,
-//! vehicles and noise, and differ less than two seeds do. Its spread is the standard deviation of those differences
-//! (n − 1) and the half width of their 95 % Student t interval, t₀.₉₇₅,ₙ₋₁·sd/√n: both need two seeds. The interval
-//! takes seeds as independent and the differences as about normal; with a handful of seeds it is a guide, not a proof.
+//! A run enters with its [`Summary`](crate::run::Summary). Every number is first taken per run ([`METRICS`]), then
+//! averaged over the seeds. The difference to the first controller is paired, that is, taken seed by seed: two runs of
+//! one seed share demand, vehicles and noise, and differ less than two seeds do. Its spread is the standard deviation of
+//! those differences (n − 1), and the half width of their 95 % Student t interval, t₀.₉₇₅,ₙ₋₁·sd/√n. Both need two
+//! seeds. The interval takes the seeds as independent and the differences as about normal; with a handful of seeds it is
+//! a guide and no proof.
 //!
-//! The tracking error never stands alone: the reference's bounded memory censors large errors, so the RMS of V_x − v*
-//! and the share of steps in which the bound was hit stand beside it.
+//! The tracking error is never shown alone. The reference is held near the true speed, which cuts large errors; so the
+//! RMS of V_x − v* and the share of steps in which the reference was held stand beside it.
 
 mod jobs;
 mod metrics;

@@ -48,10 +48,13 @@ record! {
     }
 }
 
+/// A column of a metric: the end of its name, its meaning, and how it is read.
+type Part = (&'static str, &'static str, fn(&Measured) -> Option<f64>);
+
 /// Four columns per metric.
 impl Field for [Measured; METRIC_COUNT] {
     fn columns<R: 'static>(_: Column, find: impl Fn(&R) -> &Self + Clone + Send + Sync + 'static) -> Columns<R> {
-        let parts: [(&str, &str, fn(&Measured) -> Option<f64>); 4] = [
+        let parts: [Part; 4] = [
             ("", "mean over the seeds", |m| m.mean),
             ("_diff", "mean paired difference to the first controller", |m| Some(m.difference?.mean)),
             ("_diff_sd", "standard deviation of the paired difference", |m| m.difference?.sd),

@@ -1,9 +1,9 @@
 //! `sample.csv`: trajectories of at most [`SAMPLED`] vehicles, drawn evenly from all that ever depart.
 //!
-//! How many will depart is not known before the end. So every vehicle draws a number from the seed and its id, and those
-//! with the smallest numbers so far are followed (bottom-k sampling: Cohen and Kaplan 2007). Who is pushed out never
-//! comes back, and who is left at the end was followed from the departure on. Points go to an unnamed file meanwhile,
-//! so that memory does not grow with time; about k·(1 + ln(n/k)) of n vehicles pass through it.
+//! How many will depart is not known before the end. So a number is drawn for every vehicle from the seed and its id, and
+//! the vehicles with the smallest numbers so far are followed (bottom-k sampling: Cohen and Kaplan 2007). A vehicle that
+//! is pushed out never comes back, so those that are left at the end were followed from their departure on. The points
+//! go to an unnamed file meanwhile, so memory does not grow with time; about k·(1 + ln(n/k)) of n vehicles pass through it.
 
 use super::rows::{SAMPLE, SampleRow};
 use crate::output::{OutputError, Table, file_error};
