@@ -25,7 +25,7 @@ use miette::{IntoDiagnostic, MietteHandlerOpts};
 
 use crate::{
     compare::{RunFailed, parse_seeds, run_all, terminal_table, write_comparison},
-    doctor, paper,
+    doctor, map, paper,
     run::{self, RunError, RunOptions, SessionOptions, terminal_text},
     scenario::{Catalog, Scenario, ScenarioError, schema, template},
 };
@@ -140,7 +140,8 @@ fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
     let PaperArgs { test, out, coarse, preset, driver, .. } = args;
     let progress = std::io::stderr().is_terminal();
     let page = out.join("index.html");
-    let results = paper::run(&paper::Request { test, out_dir: out, preset, driver, sets, coarse, progress })?;
+    let request = paper::Request { test, out_dir: out, preset, driver, sets, coarse, progress };
+    let results = paper::run(&request, map::finding)?;
     print(&format!("{}{}\n", results.table(), page.display()))
 }
 

@@ -4,8 +4,9 @@
 //! A module ("room") is a door file `src/control.rs` with its interior in `src/control/`. A room imports only from
 //! lower floors; `tests/tidy.rs` holds the code to it.
 //! ```text
-//! 7  main                                      the program
-//! 6  cli                                       the command line, for what a catalog offers
+//! 8  main                                      the program
+//! 7  cli                                       the command line, for what a catalog offers
+//! 6  map                                       where adaptation helps, beyond the paper
 //! 5  compare  paper  doctor                    many runs; the paper's experiments; is all well?
 //! 4  run                                       one scenario -> one result
 //!    offline                                   vehicles along a profile, without SUMO
@@ -38,6 +39,8 @@ pub mod fleet;
 pub mod keys;
 #[cfg(feature = "sim")]
 pub mod lanes;
+#[cfg(feature = "sim")]
+pub mod map;
 #[cfg(feature = "sim")]
 pub mod measurement;
 #[cfg(feature = "sim")]

@@ -4,43 +4,32 @@
 //! choice of all that; every test runs under every preset, so that nothing is picked test by test. The vehicles drive in
 //! the fleet that `run` uses ([`crate::offline`]). One file per test; [`TESTS`] lists them.
 
-pub mod claims;
-pub mod disturb;
-pub mod driver;
+mod claims;
+mod disturb;
+mod driver;
+mod error;
 pub mod figure;
-pub mod heat;
+mod lab;
 pub mod law;
 pub mod library;
-pub mod map;
-pub mod map_page;
-pub mod map_summary;
-pub mod page;
+mod page;
+mod published;
 pub mod results;
-pub mod series;
-pub mod sine;
+pub mod row;
+mod series;
+mod sine;
 pub mod step;
+mod verdict;
 
-use crate::control;
-use crate::offline::OfflineError;
-use crate::registry::{Entry, UnknownName, find};
-use crate::scenario::{Override, ScenarioError};
-use figure::Figure;
+use crate::registry::{Entry, find};
+use crate::scenario::Override;
+pub use error::{PaperError, write};
+pub use lab::{CONTROLLERS, Finding, Lab, SEEDS, every_law};
 use library::{Library, Preset};
-use map_summary::Summary;
-use results::{Results, Row};
-use series::Series;
-use std::path::{Path, PathBuf};
+use results::Results;
+use std::path::PathBuf;
 use std::sync::OnceLock;
-
-/// The controllers that the paper compares.
-pub const CONTROLLERS: [&str; 2] = ["classic", "adaptive"];
-/// Every law that drives a body, those that are not the paper's included.
-pub fn every_law() -> impl Iterator<Item = &'static str> {
-    control::CONTROLLERS.iter().map(|entry| entry.name).filter(|name| *name != "ideal")
-}
-
-/// Seeds of the noise.
-pub const SEEDS: usize = 20;
+pub use verdict::Verdict;
 
 /// Runs a test under one preset.
 pub type Run = fn(&Lab, &Preset) -> Result<Finding, PaperError>;
@@ -64,38 +53,6 @@ pub static TESTS: &[Entry<Run>] = &[
     },
 ];
 
-/// What the tests are given.
-#[derive(Debug)]
-pub struct Lab {
-    /// Scenario files and presets.
-    pub library: Library,
-    /// Somebody's own recording, in place of ours.
-    pub driver: Option<PathBuf>,
-}
-
-/// What came out of a test.
-#[derive(Debug, Clone, Default)]
-pub struct Finding {
-    /// Numbers.
-    pub rows: Vec<Row>,
-    /// Figures.
-    pub figures: Vec<Figure>,
-    /// What the figures show, as numbers.
-    pub series: Vec<Series>,
-    /// What the map says, if it was made or is there.
-    pub map: Option<Summary>,
-}
-
-impl Finding {
-    /// Adds another one behind it.
-    pub fn extend(&mut self, other: Self) {
-        self.rows.extend(other.rows);
-        self.figures.extend(other.figures);
-        self.series.extend(other.series);
-        self.map = self.map.take().or(other.map);
-    }
-}
-
 /// What is asked for.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
@@ -115,66 +72,15 @@ pub struct Request {
     pub progress: bool,
 }
 
-/// Why there is no result.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[non_exhaustive]
-pub enum PaperError {
-    /// A file cannot be read or written.
-    #[error("cannot {action} {}: {source}", .path.display())]
-    File {
-        /// "read" or "write".
-        action: &'static str,
-        /// The file or folder.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// A file of the library is not a fragment of a scenario.
-    #[error("{}: {what}", .path.display())]
-    Fragment {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        what: String,
-    },
-    /// A test or preset that does not exist.
-    #[error(transparent)]
-    Unknown(#[from] UnknownName),
-    /// The scenario.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scenario(Box<ScenarioError>),
-    /// The drive.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Offline(Box<OfflineError>),
-}
+/// What goes beyond the paper: its finding around a preset, or none if it is not asked for.
+pub type Beyond = fn(&Request, &Lab, &Preset) -> Result<Option<Finding>, PaperError>;
 
-impl From<ScenarioError> for PaperError {
-    fn from(error: ScenarioError) -> Self {
-        Self::Scenario(Box::new(error))
-    }
-}
-
-impl From<OfflineError> for PaperError {
-    fn from(error: OfflineError) -> Self {
-        Self::Offline(Box::new(error))
-    }
-}
-
-impl PaperError {
-    /// Names the file in an error of the operating system.
-    pub fn reading(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
-        move |source| Self::File { action: "read", path: path.to_owned(), source }
-    }
-}
-
-/// Runs what is asked for and writes `results.csv`, `series/`, `figures/` and `index.html` into the folder, of the map `map.csv`
-/// and `map_summary.csv` as well.
+/// Runs what is asked for and writes `results.csv`, `series/`, `figures/`, `index.html` and the files of `beyond` into the
+/// folder.
 ///
 /// # Errors
 /// [`PaperError`]
-pub fn run(request: &Request) -> Result<Results, PaperError> {
+pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
     let tests: Vec<&Entry<Run>> = match request.test.as_str() {
         "all" => TESTS.iter().collect(),
         "map" => Vec::new(),
@@ -192,14 +98,11 @@ pub fn run(request: &Request) -> Result<Results, PaperError> {
     }
     whole.rows.extend(driver::beside_prompt(&whole.rows));
     if tests.iter().any(|t| t.name == "step") {
-        let results = Results { rows: whole.rows.clone(), map: None };
+        let results = Results { rows: whole.rows.clone(), ..Results::default() };
         whole.extend(law::run(&lab, &lab.library.presets[0], &results)?);
     }
-    let grid = if request.coarse { map::Grid::coarse() } else { map::Grid::whole() };
-    // Everything takes no minutes: a map that is there already costs nothing to show again, another one is not begun.
-    let shown = request.test == "all" && map::is_there(&lab, presets[0], &request.out_dir, &grid)?;
-    if request.test == "map" || shown {
-        whole.extend(map(request, &lab, presets[0], &grid)?);
+    if let Some(found) = beyond(request, &lab, presets[0])? {
+        whole.extend(found);
     }
     write_all(request, &lab, &presets, whole)
 }
@@ -231,16 +134,6 @@ fn all(lab: &Lab, tests: &[&Entry<Run>], presets: &[&Preset]) -> Result<Vec<Find
     found.into_iter().map(|f| f.into_inner().expect("every job ran")).collect()
 }
 
-/// The map around a preset.
-fn map(request: &Request, lab: &Lab, preset: &Preset, grid: &map::Grid) -> Result<Finding, PaperError> {
-    let map = map::run(lab, preset, &request.out_dir, grid, request.progress)?;
-    let scenario = lab.library.scenario("step", preset, "adaptive", &[])?;
-    let values = &scenario.groups[0].controller.values;
-    let mark = [Some(scenario.coupling.control_period_s), values.get("k_p"), values.get("accel_per_unit_mps2")]
-        .map(|x| x.unwrap_or(f64::NAN));
-    Ok(map.finding(&preset.name, mark))
-}
-
 fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) -> Result<Results, PaperError> {
     let dir = &request.out_dir;
     for series in &whole.series {
@@ -249,20 +142,11 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
     for figure in &whole.figures {
         write(&dir.join("figures").join(format!("{}.svg", figure.name)), &figure.file())?;
     }
-    if let Some(summary) = &whole.map {
-        write(&dir.join("map_summary.csv"), &summary.to_csv())?;
+    for (name, text) in &whole.files {
+        write(&dir.join(name), text)?;
     }
-    let results = Results { rows: whole.rows.clone(), map: whole.map.clone() };
+    let results = Results { rows: whole.rows.clone(), text: whole.text.clone() };
     write(&dir.join("results.csv"), &results.to_csv())?;
     write(&dir.join("index.html"), &page::page(lab, presets, &results, &whole))?;
     Ok(results)
-}
-
-/// Writes a whole file; missing folders above it are made.
-fn write(path: &Path, text: &str) -> Result<(), PaperError> {
-    let failed = |source| PaperError::File { action: "write", path: path.to_owned(), source };
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(failed)?;
-    }
-    std::fs::write(path, text).map_err(failed)
 }

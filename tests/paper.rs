@@ -5,9 +5,11 @@ use predicates::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use sumo_mfc::map;
 use sumo_mfc::paper::library::Library;
-use sumo_mfc::paper::results::{Results, Row, Verdict};
-use sumo_mfc::paper::{Lab, Request, law, map, run};
+use sumo_mfc::paper::results::Results;
+use sumo_mfc::paper::row::Row;
+use sumo_mfc::paper::{self, Lab, PaperError, Request, Verdict, law};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -17,6 +19,10 @@ fn folder() -> TempDir {
 fn request(test: &str, dir: &Path) -> Request {
     let preset = Some("default".to_owned());
     Request { test: test.to_owned(), out_dir: dir.to_owned(), preset, coarse: true, ..Request::default() }
+}
+
+fn run(request: &Request) -> Result<Results, PaperError> {
+    paper::run(request, map::finding)
 }
 
 fn lab(dir: &Path) -> Lab {
@@ -210,14 +216,14 @@ fn claims_in_words_are_judged_by_their_criteria() {
         ("sine", "overshoot_1", Some(6.0), Some(3.1), NotReproduced),
     ] {
         let rows = vec![row(test, "classic", quantity, classic), row(test, "adaptive", quantity, adaptive)];
-        let results = Results { rows, map: None };
+        let results = Results { rows, ..Results::default() };
         assert_eq!(results.verdict(&results.rows[1]), Some(wanted), "{test} {quantity} {classic:?} {adaptive:?}");
         let [numbers, words] = results.counts("p");
         assert_eq!(numbers.all(), 0, "no number is published");
         assert!(words.all() >= 1 && (wanted != Reproduced || words.reproduced >= 1), "{words:?}");
     }
     let disturbed = ["disturb", "disturb_grade_plus_5"].map(|test| row(test, "adaptive", "error_rms", Some(0.4)));
-    let results = Results { rows: disturbed.to_vec(), map: None };
+    let results = Results { rows: disturbed.to_vec(), ..Results::default() };
     assert_eq!(results.verdict(&results.rows[0]), None, "what is compared with claims nothing");
     assert_eq!(results.verdict(&results.rows[1]), Some(Reproduced));
 }

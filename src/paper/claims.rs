@@ -1,7 +1,8 @@
 //! What the paper claims in words, with the criterion by which each claim is judged. The words are the paper's; the
 //! criteria are ours, one number derived from each, the same for every preset.
 
-use super::results::{Results, Row, Verdict};
+use super::row::{Row, find};
+use super::verdict::Verdict;
 
 /// A claim about one quantity.
 #[derive(Debug)]
@@ -140,8 +141,8 @@ pub fn about(row: &Row) -> Option<&'static Claim> {
 
 impl Claim {
     /// The verdict on the row.
-    pub fn judge(&self, row: &Row, results: &Results) -> Verdict {
-        let keeps = |(scale, limit): Limit| match measure(scale, row, results) {
+    pub fn judge(&self, row: &Row, rows: &[Row]) -> Verdict {
+        let keeps = |(scale, limit): Limit| match measure(scale, row, rows) {
             Some(ours) if scale == Scale::AtLeast => ours >= limit,
             Some(ours) => ours <= limit,
             None => false,
@@ -154,8 +155,8 @@ impl Claim {
     }
 
     /// The number that was judged, in words.
-    pub fn why(&self, row: &Row, results: &Results) -> String {
-        let in_words = |scale| match (row.value, measure(scale, row, results)) {
+    pub fn why(&self, row: &Row, rows: &[Row]) -> String {
+        let in_words = |scale| match (row.value, measure(scale, row, rows)) {
             (None, _) => "it never got there".to_owned(),
             (_, None) => "there is nothing to compare it with".to_owned(),
             (Some(ours), Some(measure)) => match scale {
@@ -174,9 +175,9 @@ impl Claim {
 }
 
 /// A row's value on a scale; none if it or what it is compared with is missing.
-fn measure(scale: Scale, row: &Row, results: &Results) -> Option<f64> {
+fn measure(scale: Scale, row: &Row, rows: &[Row]) -> Option<f64> {
     let ours = row.value?;
-    let other = |test: &str, controller| results.get(test, &row.preset, row.noise, controller, row.quantity)?.value;
+    let other = |test: &str, controller| find(rows, test, &row.preset, row.noise, controller, row.quantity)?.value;
     match scale {
         Scale::Itself | Scale::AtLeast => Some(ours),
         // A classic law that never got there is beaten by any that did.

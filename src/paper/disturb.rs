@@ -1,10 +1,11 @@
 //! Disturbances as steps: the claim behind model-free control is that no vehicle data is needed and that wind, slope and
 //! bank are rejected as part of F (Section 2). Every controller of the registry that drives a body is tried.
 
+use super::error::PaperError;
 use super::figure::{Bars, Figure};
+use super::lab::{Finding, Lab, SEEDS, every_law};
 use super::library::Preset;
-use super::results::{Row, Rows};
-use super::{Finding, Lab, PaperError, SEEDS, every_law};
+use super::row::{Row, Rows};
 use crate::offline::{End, Road, Vehicle};
 use crate::plant::Body;
 
@@ -63,7 +64,7 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
         rows.extend(numbers(&road, preset, controller)?);
     }
     let figures = vec![figure(preset, &names, &rows)];
-    Ok(Finding { rows, figures, series: Vec::new(), map: None })
+    Ok(Finding { rows, figures, ..Finding::default() })
 }
 
 fn numbers(road: &Road, preset: &Preset, controller: &'static str) -> Result<Vec<Row>, PaperError> {

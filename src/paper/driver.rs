@@ -1,12 +1,13 @@
 //! A driver's recording as the reference (Sections 5.3 and 5.4): mean, standard deviation and RMS of the error, without and
 //! with 250 ms between command and torque, straight and along the reconstructed path.
 
+use super::error::PaperError;
 use super::figure::{Chart, Curve, Figure};
+use super::lab::{CONTROLLERS, Finding, Lab, SEEDS, every_law};
 use super::library::{DEFAULT, Preset};
-use super::results::{Row, Rows};
+use super::row::{Row, Rows};
 use super::series::Series;
-use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS, every_law};
-use crate::offline::{Moment, Outcome, Road};
+use crate::offline::{Moment, Road};
 use crate::scenario::Override;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -69,7 +70,7 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
         if !drives.is_empty() {
             let name = format!("{test}{suffix}");
             let (figures, series) = (figures(preset, &name, &drives), Series::all(&name, preset, &drives));
-            finding.extend(Finding { rows: rows.concat(), figures, series, map: None });
+            finding.extend(Finding { rows: rows.concat(), figures, series, ..Finding::default() });
         }
     }
     Ok(finding)
@@ -131,7 +132,7 @@ fn drive(
     let mut driven = Vec::new();
     for (((suffix, _), outcomes), exact) in roads.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
         let name = format!("{test}{suffix}");
-        let rows = errors(&Rows { test: &name, preset: &preset.name, controller }, outcomes);
+        let rows = Rows { test: &name, preset: &preset.name, controller }.errors(outcomes);
         driven.push(Driven { suffix, controller, rows, exact });
     }
     Ok(driven)
@@ -150,20 +151,6 @@ pub fn beside_prompt(rows: &[Row]) -> Vec<Row> {
         Some(Row { quantity: "rms_over_prompt_classic", value, spread: None, unit: "1", ..row.clone() })
     };
     rows.iter().filter(delayed).filter_map(beside).collect()
-}
-
-/// The table of the paper, and the largest error.
-pub fn errors(rows: &Rows, outcomes: &[Outcome]) -> Vec<Row> {
-    let column =
-        |of: fn(&Outcome) -> Option<f64>| outcomes.iter().map(|o| of(o).filter(|_| o.finished)).collect::<Vec<_>>();
-    [
-        rows.of("error_mean", "m/s", &column(|o| o.stats.error_mean)),
-        rows.of("error_std", "m/s", &column(|o| o.stats.error_std)),
-        rows.of("error_rms", "m/s", &column(|o| o.stats.error_rms)),
-        rows.of("error_max_abs", "m/s", &column(|o| o.stats.error_max_abs)),
-        rows.of("jerk_rms", "m/s3", &column(|o| o.stats.jerk_rms)),
-    ]
-    .concat()
 }
 
 fn figures(preset: &Preset, name: &str, drives: &[(&'static str, Vec<Moment>)]) -> Vec<Figure> {

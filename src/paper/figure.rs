@@ -12,26 +12,44 @@ const BOTTOM: f64 = 46.0;
 /// A curve has at most two corners per bunch of points, and this many bunches.
 const COLUMNS: usize = 300;
 
-/// The colours and strokes of all figures. Orange and blue stay apart for every kind of colour vision.
-pub const STYLE: &str = "\
+/// The strokes of all figures, and the colours of what is not a controller. `currentColor` of a hue is its colour.
+const BASE: &str = "\
 .fig{font:12px system-ui,'Segoe UI',Roboto,sans-serif;color:#1c2430;background:#fff}\
 .fig text{fill:currentColor}.fig .title{font-size:14px;font-weight:600}.fig .soft{fill:#5b6675}\
 .fig .grid{stroke:#e3e7ec;stroke-width:1}.fig .axis{stroke:#8a94a3;stroke-width:1}.fig .plot{fill:#fafbfc}\
-.fig path{fill:none;stroke-width:1.8;stroke-linejoin:round}\
+.fig path{fill:none;stroke:currentColor;stroke-width:1.8;stroke-linejoin:round}\
+.fig circle,.fig .bar{fill:currentColor;stroke:none}.fig .law{stroke-width:1.6}\
 .fig .reference{stroke:#5b6675;stroke-dasharray:5 4;stroke-width:1.4}\
-.fig .classic{stroke:#d1610a}.fig .adaptive{stroke:#1765ad}.fig .pid{stroke:#2e8540}.fig .ideal{stroke:#7a4fb5}\
-.fig .calibrating{stroke:#a02c8c}.fig circle.calibrating,.fig rect.calibrating{fill:#a02c8c}\
-.fig .law{stroke:#1c2430;stroke-width:1.6}.fig circle.classic{fill:#d1610a}.fig circle.adaptive{fill:#1765ad}\
-.fig circle.pid{fill:#2e8540}.fig circle.mark{fill:none;stroke:#c2185b;stroke-width:3}\
-.fig rect.classic{fill:#d1610a}.fig rect.adaptive{fill:#1765ad}.fig rect.pid{fill:#2e8540}.fig .bar{stroke:none}\
-.fig .cell{font-size:10px;fill:#14181f}.fig rect.mark{fill:none;stroke:#c2185b;stroke-width:3}\
+.fig .mark{fill:none;stroke:#c2185b;stroke-width:3}.fig .cell{font-size:10px;fill:#14181f}\
 @media(prefers-color-scheme:dark){.fig{color:#e4e9f0;background:#151a21}.fig .soft{fill:#9aa7b8}.fig .grid{stroke:#2a323d}\
-.fig .axis{stroke:#66717f}.fig .plot{fill:#1a2029}.fig .reference{stroke:#9aa7b8}.fig .classic{stroke:#ff9d4d}\
-.fig .adaptive{stroke:#5fb0f5}.fig .pid{stroke:#63c97c}.fig .ideal{stroke:#b99af0}.fig .law{stroke:#e4e9f0}\
-.fig .calibrating{stroke:#f08ad8}.fig circle.calibrating,.fig rect.calibrating{fill:#f08ad8}\
-.fig circle.classic{fill:#ff9d4d}.fig circle.adaptive{fill:#5fb0f5}.fig circle.pid{fill:#63c97c}\
-.fig rect.classic{fill:#ff9d4d}.fig rect.adaptive{fill:#5fb0f5}.fig rect.pid{fill:#63c97c}\
-.fig circle.mark,.fig rect.mark{stroke:#ff6fa3}.fig .cell{fill:#14181f}}";
+.fig .axis{stroke:#66717f}.fig .plot{fill:#1a2029}.fig .reference{stroke:#9aa7b8}.fig .mark{stroke:#ff6fa3}}";
+
+/// The hues in light and dark. Neighbours stay apart for every kind of colour vision.
+const HUES: [[&str; 2]; 8] = [
+    ["#1765ad", "#5fb0f5"],
+    ["#d1610a", "#ff9d4d"],
+    ["#2e8540", "#63c97c"],
+    ["#a02c8c", "#f08ad8"],
+    ["#7a4fb5", "#b99af0"],
+    ["#00798c", "#4cc9d8"],
+    ["#8a6d00", "#e0bd3a"],
+    ["#7d4b3a", "#d39b86"],
+];
+
+/// The styles that every page and file with figures needs.
+pub fn style() -> String {
+    let rules = |shade: usize| {
+        let rule = |(i, hue): (usize, &[&str; 2])| format!(".fig .hue{i}{{color:{}}}", hue[shade]);
+        HUES.iter().enumerate().map(rule).collect::<String>()
+    };
+    format!("{BASE}{}@media(prefers-color-scheme:dark){{{}}}", rules(0), rules(1))
+}
+
+/// The class of a controller's hue, by its place among the controllers; any other name is a class itself.
+fn class(name: &str) -> String {
+    let place = crate::control::CONTROLLERS.iter().position(|entry| entry.name == name);
+    place.map_or_else(|| escape(name), |i| format!("hue{}", i % HUES.len()))
+}
 
 /// A finished figure.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,8 +68,8 @@ pub struct Figure {
 pub struct Curve {
     /// Name in the legend.
     pub name: String,
-    /// Class of the style; a controller's is its name.
-    pub class: String,
+    /// The controller or the class that gives its style.
+    pub style: String,
     /// Points.
     pub points: Vec<(f64, f64)>,
     /// Dots instead of a line.
@@ -61,7 +79,7 @@ pub struct Curve {
 impl Curve {
     /// A line.
     pub fn of(name: &str, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.to_owned(), class: name.to_owned(), points, dots: false }
+        Self { name: name.to_owned(), style: name.to_owned(), points, dots: false }
     }
 
     /// Dots.
@@ -69,9 +87,9 @@ impl Curve {
         Self { dots: true, ..Self::of(name, points) }
     }
 
-    /// In the style of another class than its name.
-    pub fn in_style(self, class: &str) -> Self {
-        Self { class: class.to_owned(), ..self }
+    /// In the style of another controller or class than its name.
+    pub fn in_style(self, style: &str) -> Self {
+        Self { style: style.to_owned(), ..self }
     }
 }
 
@@ -97,11 +115,11 @@ pub struct Bars<'a> {
     pub title: String,
     /// Label of the axis of values.
     pub unit: &'a str,
-    /// A label and its bars: class and value.
+    /// A label and its bars: controller and value.
     pub groups: Vec<(String, Vec<Bar>)>,
 }
 
-/// The class of a bar and its value.
+/// The controller of a bar and its value.
 pub type Bar = (&'static str, Option<f64>);
 
 /// One axis: from values to places in the drawing.
@@ -181,7 +199,8 @@ impl Figure {
             let middle = y + 0.5 * group_height(group) + 4.0;
             let end = LABELS - 8.0;
             let _ = write!(body, "<text x=\"{end}\" y=\"{middle:.1}\" text-anchor=\"end\">{}</text>", escape(label));
-            for (i, (class, value)) in group.iter().enumerate() {
+            for (i, (name, value)) in group.iter().enumerate() {
+                let class = class(name);
                 let top = y + 5.0 + BAR * i as f64;
                 match value {
                     Some(value) => {
@@ -196,7 +215,7 @@ impl Figure {
                         let base = top + BAR;
                         let _ = write!(
                             body,
-                            "<text class=\"cell {class}\" x=\"{LABELS}\" y=\"{base:.1}\">{class}: did not arrive</text>"
+                            "<text class=\"cell\" x=\"{LABELS}\" y=\"{base:.1}\">{name}: did not arrive</text>"
                         );
                     }
                 }
@@ -206,9 +225,9 @@ impl Figure {
         let (middle, low) = (0.5 * (LABELS + WIDTH), height - 10.0);
         let _ = write!(body, "<text x=\"{middle}\" y=\"{low}\" text-anchor=\"middle\">{}</text>", escape(bars.unit));
         let mut names: Vec<Curve> = Vec::new();
-        for (class, _) in bars.groups.iter().flat_map(|(_, b)| b) {
-            if !names.iter().any(|c| c.name == *class) {
-                names.push(Curve::of(class, Vec::new()));
+        for (name, _) in bars.groups.iter().flat_map(|(_, b)| b) {
+            if !names.iter().any(|c| c.name == *name) {
+                names.push(Curve::of(name, Vec::new()));
             }
         }
         legend(&mut body, &names);
@@ -220,14 +239,14 @@ impl Figure {
         Self { name: name.to_owned(), title: title.to_owned(), body, height }
     }
 
-    /// For a page that has [`STYLE`].
+    /// For a page that has [`style`].
     pub fn inline(&self) -> String {
         self.wrapped("", "")
     }
 
     /// As a file of its own.
     pub fn file(&self) -> String {
-        self.wrapped(" xmlns=\"http://www.w3.org/2000/svg\"", &format!("<style>{STYLE}</style>"))
+        self.wrapped(" xmlns=\"http://www.w3.org/2000/svg\"", &format!("<style>{}</style>", style()))
     }
 
     fn wrapped(&self, attributes: &str, style: &str) -> String {
@@ -297,7 +316,7 @@ fn frame(chart: &Chart, x: &Scale, y: &Scale) -> String {
 fn legend(out: &mut String, curves: &[Curve]) {
     let mut x = LEFT;
     for curve in curves {
-        let (name, class) = (escape(&curve.name), escape(&curve.class));
+        let (name, class) = (escape(&curve.name), class(&curve.style));
         let (end, text) = (x + 22.0, x + 28.0);
         if curve.dots {
             let _ = write!(out, "<circle class=\"{class}\" cx=\"{}\" cy=\"38\" r=\"4\"/>", x + 11.0);
@@ -310,7 +329,7 @@ fn legend(out: &mut String, curves: &[Curve]) {
 }
 
 fn draw(out: &mut String, curve: &Curve, x: &Scale, y: &Scale) {
-    let class = escape(&curve.class);
+    let class = class(&curve.style);
     let points: Vec<(f64, f64)> = curve
         .points
         .iter()
@@ -352,8 +371,16 @@ mod tests {
 
     #[test]
     fn every_controller_has_a_colour_in_light_and_dark() {
-        for entry in crate::control::CONTROLLERS.iter() {
-            assert_eq!(STYLE.matches(&format!(".{}{{stroke", entry.name)).count(), 2, "{}", entry.name);
+        let style = style();
+        let names = crate::control::CONTROLLERS.iter().map(|entry| class(entry.name));
+        let classes: std::collections::BTreeSet<String> = names.collect();
+        assert_eq!(
+            classes.len(),
+            crate::control::CONTROLLERS.len().min(HUES.len()),
+            "no two share one while there are enough"
+        );
+        for class in classes {
+            assert_eq!(style.matches(&format!(".{class}{{color:#")).count(), 2, "{class}");
         }
     }
 }

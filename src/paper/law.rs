@@ -1,11 +1,13 @@
 //! A law behind the step test: where the torque scale b is far below α, the overshoots of the adaptive and the classic law
 //! are in the ratio 2·√(Δt/T), whatever mass, K_P, α and torque limit. `docs/overshoot-ratio.md` derives it; here it is measured.
 
+use super::error::PaperError;
 use super::figure::{Chart, Curve, Figure};
+use super::lab::{CONTROLLERS, Finding, Lab};
 use super::library::Preset;
-use super::results::{Results, Rows};
+use super::results::Results;
+use super::row::Rows;
 use super::step::{Plateau, response};
-use super::{CONTROLLERS, Finding, Lab, PaperError};
 use crate::offline::{End, Road};
 use crate::scenario::Override;
 
@@ -133,7 +135,7 @@ pub fn run(lab: &Lab, preset: &Preset, results: &Results) -> Result<Finding, Pap
         ],
         isotropic: false,
     };
-    Ok(Finding { rows, figures: vec![Figure::chart("law_overshoot_ratio", &chart)], series: Vec::new(), map: None })
+    Ok(Finding { rows, figures: vec![Figure::chart("law_overshoot_ratio", &chart)], ..Finding::default() })
 }
 
 /// The presets' own step tests, in which b is not small against α.

@@ -1,7 +1,7 @@
 //! The scenario files of the experiments. Each is a fragment of a scenario; one experiment is put together from
 //! `vehicle.toml`, a preset, the test and what `--set` says, later ones winning.
 
-use super::PaperError;
+use super::error::{PaperError, write};
 use crate::control::CONTROLLERS;
 use crate::registry::{UnknownName, find, nearest};
 use crate::scenario::{Catalog, Override, Request, Scenario};
@@ -156,7 +156,7 @@ fn concerns(controller: &str, path: &str) -> bool {
 /// Writes the program's own copy of the files.
 fn carry(spare: &Path) -> Result<PathBuf, PaperError> {
     for (name, text) in CARRIED {
-        super::write(&spare.join(name), text)?;
+        write(&spare.join(name), text)?;
     }
     Ok(spare.to_owned())
 }

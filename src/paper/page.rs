@@ -2,10 +2,13 @@
 //! and how far apart the two are; all verdicts are those of `results.csv`.
 
 use super::claims;
-use super::figure::{Figure, STYLE, escape};
+use super::figure::{Figure, escape, style};
+use super::lab::{Finding, Lab};
 use super::library::Preset;
-use super::results::{Count, Published, Results, Row, Verdict, family};
-use super::{Finding, Lab};
+use super::published::Published;
+use super::results::Results;
+use super::row::{Row, family};
+use super::verdict::{Count, Verdict};
 use std::fmt::Write;
 
 const PAGE_STYLE: &str = "\
@@ -92,7 +95,8 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
     let mut html = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>Polack et al. 2017, reproduced</title>\
-         <style>{PAGE_STYLE}{STYLE}</style></head><body><main>"
+         <style>{PAGE_STYLE}{}</style></head><body><main>",
+        style()
     );
     let is_there = |test: &str| {
         results.rows.iter().any(|r| family(&r.test) == test) || found.figures.iter().any(|f| family(&f.name) == test)
@@ -113,9 +117,7 @@ pub fn page(lab: &Lab, presets: &[&Preset], results: &Results, found: &Finding) 
         // A preset may be called like a test.
         let of_preset = |f: &Figure| presets.iter().any(|p| f.name.starts_with(&format!("{}_", p.name)));
         let once = found.figures.iter().filter(|f| f.name.starts_with(&format!("{test}_")) && !of_preset(f));
-        if let Some(summary) = found.map.as_ref().filter(|_| *test == "map") {
-            html += &summary.html();
-        }
+        found.tables.iter().filter(|(of, _)| of == test).for_each(|(_, table)| html += table);
         html += &once.map(Figure::inline).collect::<String>();
         for (i, preset) in presets.iter().enumerate() {
             html += &section(test, preset, i == 0, results, &found.figures);
@@ -311,7 +313,7 @@ fn table(rows: &[&Row], results: &Results) -> String {
 /// The verdict's reason, in numbers.
 fn why(row: &Row, results: &Results) -> String {
     if let (None, Some(claim)) = (row.published(), claims::about(row)) {
-        return escape(&claim.why(row, results));
+        return escape(&claim.why(row, &results.rows));
     }
     let (Some(ours), Some(published)) = (row.value, row.published()) else {
         return "it never got there".to_owned();

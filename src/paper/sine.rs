@@ -1,10 +1,11 @@
 //! A sinusoid of position (Section 5.2): the first oscillation's overshoot and where the error has converged.
 
+use super::error::PaperError;
 use super::figure::{Chart, Curve, Figure};
+use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
 use super::library::Preset;
-use super::results::{Row, Rows};
+use super::row::{Row, Rows, SHORT_SINE};
 use super::series::Series;
-use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
 use crate::offline::{End, Moment, Road};
 use crate::scenario::{Override, Scenario};
 use rayon::prelude::*;
@@ -40,9 +41,7 @@ impl Course {
 }
 
 /// The sinusoid of `sine.toml`, and a short one: how much hangs on what the paper leaves open.
-const WAVELENGTHS: &[(&str, Option<f64>)] = &[("sine", None), (SHORT, Some(200.0))];
-/// The name of the short one.
-pub const SHORT: &str = "sine_200m";
+const WAVELENGTHS: &[(&str, Option<f64>)] = &[("sine", None), (SHORT_SINE, Some(200.0))];
 
 /// The test under one preset.
 ///
@@ -62,7 +61,7 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
         let (rows, moments): (Vec<_>, Vec<_>) = driven.into_iter().unzip();
         let drives: Vec<_> = CONTROLLERS.into_iter().zip(moments).collect();
         let (figures, series) = (figures(test, preset, &drives), Series::all(test, preset, &drives));
-        finding.extend(Finding { rows: rows.concat(), figures, series, map: None });
+        finding.extend(Finding { rows: rows.concat(), figures, series, ..Finding::default() });
     }
     Ok(finding)
 }
@@ -90,11 +89,8 @@ fn drive(
     let named = Rows { test, preset: &preset.name, controller };
     let overshoot: Vec<_> = courses.iter().map(|c| Some(100.0 * c.over)).collect();
     let converged: Vec<_> = courses.iter().map(|c| c.converged_m).collect();
-    let rows = [
-        named.of("overshoot_1", "%", &overshoot),
-        named.of("settling_1", "m", &converged),
-        super::driver::errors(&named, &outcomes),
-    ];
+    let rows =
+        [named.of("overshoot_1", "%", &overshoot), named.of("settling_1", "m", &converged), named.errors(&outcomes)];
     Ok((rows.concat(), exact))
 }
 

@@ -1,10 +1,11 @@
 //! Steps of position (Section 5.1): overshoot and undershoot of each step, where it settles, and how long α̂ stays nominal.
 
+use super::error::PaperError;
 use super::figure::{Chart, Curve, Figure};
+use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
 use super::library::Preset;
-use super::results::{Row, Rows};
+use super::row::{Row, Rows};
 use super::series::Series;
-use super::{CONTROLLERS, Finding, Lab, PaperError, SEEDS};
 use crate::offline::{End, Moment, Outcome, Road};
 
 /// Length of the test \[m\].
@@ -143,7 +144,12 @@ pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
         rows.extend(numbers(&Rows { test: "step", preset: &preset.name, controller }, &drive));
         drives.push((controller, drive.exact));
     }
-    Ok(Finding { rows, figures: figures(preset, &drives), series: Series::all("step", preset, &drives), map: None })
+    Ok(Finding {
+        rows,
+        figures: figures(preset, &drives),
+        series: Series::all("step", preset, &drives),
+        ..Finding::default()
+    })
 }
 
 fn numbers(rows: &Rows, drive: &Drive) -> Vec<Row> {

@@ -1,8 +1,9 @@
 //! The map in one table: each law against each other one at equal tuning, by the factor by which the torque scale is wrong, and
 //! where each is worst.
 
-use super::map::{Cell, LAWS};
-use super::map_page::{Map, Tuned};
+use super::cell::Cell;
+use super::grid::LAWS;
+use super::tuned::{Map, Tuned};
 use std::fmt::Write;
 
 /// The laws whose lines the command prints; file and page have all.

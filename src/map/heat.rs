@@ -1,6 +1,6 @@
 //! Heat maps of ratios: blue below 1, red above, one step of colour per factor.
 
-use super::figure::{Figure, escape};
+use crate::paper::figure::{Figure, escape};
 use std::fmt::Write;
 
 /// Ratios from 1/4 to 4 fill the scale.
@@ -44,36 +44,34 @@ fn colour(ratio: f64) -> String {
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 
-impl Figure {
-    /// Draws panels of ratios.
-    pub fn heat(name: &str, heat: &Heat) -> Self {
-        const LEFT: f64 = 74.0;
-        const TOP: f64 = 64.0;
-        const GAP: f64 = 12.0;
-        let panels = heat.panels.len().max(1) as f64;
-        let width = (WIDTH - LEFT - 12.0 - GAP * (panels - 1.0)) / panels;
-        let rows = heat.panels.iter().map(|p| p.rows.len()).max().unwrap_or(0) as f64;
-        let cell_height = if heat.panels.len() == 1 { 22.0 } else { 17.0 };
-        let bottom = TOP + rows * cell_height;
-        let mut body = format!("<text class=\"title\" x=\"16\" y=\"20\">{}</text>", escape(&heat.title));
-        for (p, panel) in heat.panels.iter().enumerate() {
-            let left = LEFT + p as f64 * (width + GAP);
-            let place = Place { left, bottom, width: width / panel.columns.len() as f64, height: cell_height };
-            draw_panel(&mut body, panel, &place, p == 0);
-        }
-        // The names of the columns hang down at 60 degrees.
-        let longest = heat.panels.iter().flat_map(|p| &p.columns).map(|c| c.chars().count()).max().unwrap_or(0);
-        let (middle, low) = (0.5 * (LEFT + WIDTH), bottom + (26.0 + 5.0 * longest as f64).max(62.0));
-        let _ = write!(body, "<text x=\"{middle}\" y=\"{low}\" text-anchor=\"middle\">{}</text>", escape(heat.x));
-        let middle = 0.5 * (TOP + bottom);
-        let _ = write!(
-            body,
-            "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            escape(heat.y)
-        );
-        scale(&mut body, low + 12.0);
-        Self::drawn(name, &heat.title, body, low + 44.0)
+/// Draws panels of ratios.
+pub fn heat_map(name: &str, heat: &Heat) -> Figure {
+    const LEFT: f64 = 74.0;
+    const TOP: f64 = 64.0;
+    const GAP: f64 = 12.0;
+    let panels = heat.panels.len().max(1) as f64;
+    let width = (WIDTH - LEFT - 12.0 - GAP * (panels - 1.0)) / panels;
+    let rows = heat.panels.iter().map(|p| p.rows.len()).max().unwrap_or(0) as f64;
+    let cell_height = if heat.panels.len() == 1 { 22.0 } else { 17.0 };
+    let bottom = TOP + rows * cell_height;
+    let mut body = format!("<text class=\"title\" x=\"16\" y=\"20\">{}</text>", escape(&heat.title));
+    for (p, panel) in heat.panels.iter().enumerate() {
+        let left = LEFT + p as f64 * (width + GAP);
+        let place = Place { left, bottom, width: width / panel.columns.len() as f64, height: cell_height };
+        draw_panel(&mut body, panel, &place, p == 0);
     }
+    // The names of the columns hang down at 60 degrees.
+    let longest = heat.panels.iter().flat_map(|p| &p.columns).map(|c| c.chars().count()).max().unwrap_or(0);
+    let (middle, low) = (0.5 * (LEFT + WIDTH), bottom + (26.0 + 5.0 * longest as f64).max(62.0));
+    let _ = write!(body, "<text x=\"{middle}\" y=\"{low}\" text-anchor=\"middle\">{}</text>", escape(heat.x));
+    let middle = 0.5 * (TOP + bottom);
+    let _ = write!(
+        body,
+        "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        escape(heat.y)
+    );
+    scale(&mut body, low + 12.0);
+    Figure::drawn(name, &heat.title, body, low + 44.0)
 }
 
 /// Where a panel is and how large its cells are.

@@ -1,0 +1,170 @@
+//! What the map says: heat maps of ratios, the best gains of each law, and what they are worth with a wrong torque scale.
+
+use super::cell::Cell;
+use super::grid::second_key;
+use super::heat::{Heat, Panel, heat_map};
+use super::summary::Summary;
+use super::tuned::{Map, Tuned};
+use crate::paper::Finding;
+use crate::paper::figure::Figure;
+use crate::paper::row::{Row, Rows};
+
+/// A value of a cell, by name.
+type Value = (&'static str, &'static str, fn(&Cell) -> Option<f64>);
+
+const VALUES: [Value; 2] = [
+    ("rms", "RMS error on a noisy recording", |c| c.error_rms),
+    // A point of overshoot is added to both, so that two small ones do not make a large ratio.
+    ("overshoot", "overshoot of the first step (+1 %)", |c| c.overshoot.map(|o| o + 1.0)),
+];
+
+/// Laws that are compared at their best gains.
+const PAIRS: [(&str, &str); 6] = [
+    ("adaptive", "classic"),
+    ("adaptive", "pid"),
+    ("classic", "pid"),
+    ("calibrating", "classic"),
+    ("calibrating", "adaptive"),
+    ("calibrating", "pid"),
+];
+
+/// Everything that is shown of it. `mark` is the paper's point: Δt, K_P and b of a preset.
+pub fn finding(map: &Map, preset: &str, mark: [f64; 3]) -> Finding {
+    let summary = Summary::of(map);
+    let mut finding = Finding {
+        files: vec![("map_summary.csv", summary.to_csv())],
+        tables: vec![("map", summary.html())],
+        text: summary.text(),
+        ..Finding::default()
+    };
+    for (value, title, of) in VALUES {
+        for &delay_s in &map.grid.delays_s {
+            for &limit_mps2 in &map.grid.limits_mps2 {
+                let heat = plane(map, title, of, (delay_s, limit_mps2), mark);
+                let name = format!("map_{value}_delay{delay_s}_limit{limit_mps2}");
+                finding.figures.push(heat_map(&name, &heat));
+            }
+        }
+    }
+    finding.rows.extend(shares(map, preset));
+    let tuned = map.tuned();
+    for value in VALUES {
+        finding.figures.extend(PAIRS.map(|pair| robustness(map, &tuned, value, pair)));
+    }
+    for (condition, laws) in &tuned {
+        for law in laws {
+            let test = format!("map_tuned_{}", condition.replace(", ", "_").replace(' ', ""));
+            let rows = Rows { test: &test, preset, controller: law.law };
+            let values = [
+                ("gain_1", "1/s", Some(law.best.gain_1)),
+                (
+                    "gain_2_or_scale",
+                    "1",
+                    Some(if second_key(law.law).is_some() { law.best.gain_2 } else { law.best.scale }),
+                ),
+                ("error_rms", "m/s", law.best.error_rms),
+            ];
+            finding.rows.extend(values.map(|(quantity, unit, value)| noisy(&rows, quantity, unit, value)));
+        }
+    }
+    finding
+}
+
+/// Adaptive over classic with the same K_P and b, one panel per control period.
+fn plane(map: &Map, title: &str, of: fn(&Cell) -> Option<f64>, condition: (f64, f64), mark: [f64; 3]) -> Heat<'static> {
+    let (delay_s, limit_mps2) = condition;
+    let grid = &map.grid;
+    let names = |axis: &[f64]| axis.iter().map(|x| format!("{x}")).collect::<Vec<_>>();
+    let panels = grid.periods_s.iter().map(|&period_s| {
+        let ratio = |gain: f64, scale: f64| {
+            let place = [period_s, gain, 0.0, scale, limit_mps2, delay_s];
+            Some(of(map.at("adaptive", place)?)? / of(map.at("classic", place)?)?)
+        };
+        let here = delay_s == 0.0 && period_s == mark[0];
+        Panel {
+            title: format!("dt {} ms", 1000.0 * period_s),
+            columns: names(&grid.scales),
+            rows: names(&grid.gains),
+            ratios: grid
+                .gains
+                .iter()
+                .map(|gain| grid.scales.iter().map(|scale| ratio(*gain, *scale)).collect())
+                .collect(),
+            mark: if here { on(&grid.scales, mark[2]).zip(on(&grid.gains, mark[1])) } else { None },
+        }
+    });
+    Heat {
+        title: format!("{title}, adaptive/classic; delay {delay_s} s, limit {limit_mps2} m/s2"),
+        x: "torque scale b [m/s2 per u], alpha = 1",
+        y: "K_P [1/s]",
+        panels: panels.collect(),
+    }
+}
+
+/// In how many cells the adaptive law is better with the same gains.
+fn shares(map: &Map, preset: &str) -> Vec<Row> {
+    let rows = Rows { test: "map", preset, controller: "adaptive" };
+    let share = |of: fn(&Cell) -> Option<f64>, factor: f64| {
+        let pairs = map.cells.iter().filter(|c| c.controller == "adaptive").filter_map(|c| {
+            let place = [c.period_s, c.gain_1, c.gain_2, c.scale, c.limit_mps2, c.delay_s];
+            Some(of(c)? / of(map.at("classic", place)?)?)
+        });
+        let ratios: Vec<f64> = pairs.collect();
+        let better = ratios.iter().filter(|r| **r * factor < 1.0).count() as f64;
+        (!ratios.is_empty()).then(|| better / ratios.len() as f64)
+    };
+    let worse = |of| share(of, 1.0 / 1.05).map(|not_worse| 1.0 - not_worse);
+    vec![
+        noisy(&rows, "rms_better_by_5_percent_share", "1", share(|c| c.error_rms, 1.05)),
+        noisy(&rows, "rms_worse_by_5_percent_share", "1", worse(|c| c.error_rms)),
+        noisy(&rows, "overshoot_better_by_5_percent_share", "1", share(|c| c.overshoot.map(|o| o + 1.0), 1.05)),
+        noisy(&rows, "overshoot_worse_by_5_percent_share", "1", worse(|c| c.overshoot.map(|o| o + 1.0))),
+    ]
+}
+
+/// Ratio of two tuned laws when the torque scale is wrong.
+fn robustness(map: &Map, tuned: &[(String, Vec<Tuned>)], value: Value, pair: (&str, &str)) -> Figure {
+    let ((name, title, of), (over, under)) = (value, pair);
+    let column = |laws: &[Tuned], row: usize| {
+        let worth = |name: &str| of(laws.iter().find(|t| t.law == name)?.wrong[row].as_ref()?);
+        Some(worth(over)? / worth(under)?)
+    };
+    let rows = 0..map.grid.factors.len();
+    let panel = Panel {
+        title: format!("{over} / {under}, each with the gains of its least RMS error"),
+        columns: tuned.iter().map(|(name, _)| name.replace("limit ", "").replace("delay ", "")).collect(),
+        rows: map.grid.factors.iter().map(|f| format!("x {f}")).collect(),
+        ratios: rows.map(|row| tuned.iter().map(|(_, laws)| column(laws, row)).collect()).collect(),
+        mark: None,
+    };
+    let heat = Heat {
+        title: format!("{title} when the torque scale is wrong by a factor, {over}/{under}"),
+        x: "control period, torque limit [m/s2], delay [s]",
+        y: "factor",
+        panels: vec![panel],
+    };
+    let prefix = if name == "rms" { String::new() } else { format!("{name}_") };
+    heat_map(&format!("map_tuned_{prefix}{over}_{under}"), &heat)
+}
+
+/// Where a value is on a logarithmic axis, in cells.
+fn on(axis: &[f64], value: f64) -> Option<f64> {
+    let next = axis.iter().position(|x| *x >= value)?;
+    let Some(before) = next.checked_sub(1) else { return (axis[0] == value).then_some(0.0) };
+    let (low, high) = (axis[before], axis[next]);
+    Some(before as f64 + libm::log(value / low) / libm::log(high / low))
+}
+
+/// One row of a number found with noise.
+fn noisy(rows: &Rows, quantity: &'static str, unit: &'static str, value: Option<f64>) -> Row {
+    Row {
+        test: rows.test.to_owned(),
+        preset: rows.preset.to_owned(),
+        noise: true,
+        controller: rows.controller,
+        quantity,
+        value,
+        spread: None,
+        unit,
+    }
+}

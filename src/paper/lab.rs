@@ -1,0 +1,56 @@
+//! What the tests are given, and what they give back.
+
+use super::figure::Figure;
+use super::library::Library;
+use super::row::Row;
+use super::series::Series;
+use crate::control;
+use std::path::PathBuf;
+
+/// The controllers that the paper compares.
+pub const CONTROLLERS: [&str; 2] = ["classic", "adaptive"];
+/// Every law that drives a body, those that are not the paper's included.
+pub fn every_law() -> impl Iterator<Item = &'static str> {
+    control::CONTROLLERS.iter().map(|entry| entry.name).filter(|name| *name != "ideal")
+}
+
+/// Seeds of the noise.
+pub const SEEDS: usize = 20;
+
+/// What the tests are given.
+#[derive(Debug)]
+pub struct Lab {
+    /// Scenario files and presets.
+    pub library: Library,
+    /// Somebody's own recording, in place of ours.
+    pub driver: Option<PathBuf>,
+}
+
+/// What came out of a test.
+#[derive(Debug, Clone, Default)]
+pub struct Finding {
+    /// Numbers.
+    pub rows: Vec<Row>,
+    /// Figures.
+    pub figures: Vec<Figure>,
+    /// What the figures show, as numbers.
+    pub series: Vec<Series>,
+    /// More files, by name.
+    pub files: Vec<(&'static str, String)>,
+    /// Tables of the page by the test that they belong to.
+    pub tables: Vec<(&'static str, String)>,
+    /// The end of what the command prints.
+    pub text: String,
+}
+
+impl Finding {
+    /// Adds another one behind it.
+    pub fn extend(&mut self, other: Self) {
+        self.rows.extend(other.rows);
+        self.figures.extend(other.figures);
+        self.series.extend(other.series);
+        self.files.extend(other.files);
+        self.tables.extend(other.tables);
+        self.text += &other.text;
+    }
+}
