@@ -1,17 +1,21 @@
 //! What a controller is to follow. `traffic` and `limit` get their speed from SUMO in every step (the coupling knows how);
 //! a [`Profile`] is a speed over position or time from a formula or a file. One entry each in [`TARGETS`].
 
+mod error;
 mod index;
+mod point;
 mod profile;
 mod recording;
 mod table;
 
-pub use profile::{Axis, Profile, ProfileKeys};
+pub use error::ReferenceError;
+pub use point::Axis;
+pub use profile::{Profile, ProfileKeys};
 pub use recording::{RecordingOptions, Track};
 
 use crate::keys::{Keys, NoKeys, Values};
 use crate::registry::Entry;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
 /// A target, ready for the coupling.
@@ -57,43 +61,6 @@ pub static TARGETS: LazyLock<Vec<Entry<Build>>> = LazyLock::new(|| {
         ),
     ]
 });
-
-/// Why a profile cannot be had.
-#[derive(Debug, thiserror::Error)]
-pub enum ReferenceError {
-    /// The file cannot be read.
-    #[error("{}: {source}", .file.display())]
-    Read {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// The file's content is not a profile.
-    #[error("{}:{line}: {column}: found {found}, wanted {wanted}", .file.display())]
-    Content {
-        /// The file.
-        file: PathBuf,
-        /// Line, from 1.
-        line: u64,
-        /// The column's name in the file, or "header".
-        column: String,
-        /// What is there.
-        found: String,
-        /// What should be there.
-        wanted: String,
-    },
-    /// A key's value does not make a profile.
-    #[error("{key}: found {found}, wanted {wanted}")]
-    Value {
-        /// The key.
-        key: &'static str,
-        /// Its value.
-        found: String,
-        /// What it should be.
-        wanted: &'static str,
-    },
-}
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,8 @@
 //! Speed profiles: linear between the points of a file, steps, a sine, each over position or over time.
 
-use super::ReferenceError;
+use super::error::ReferenceError;
 use super::index::Index;
+use super::point::{Axis, Point};
 use super::recording::{self, RecordingOptions, Track};
 use crate::trig::{Polynomial, Trig};
 use crate::{choice, keys};
@@ -70,15 +71,6 @@ keys! {
     }
 }
 
-/// What a profile is a function of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axis {
-    /// Driven distance (m).
-    Position,
-    /// Time since the vehicle's start (s).
-    Time,
-}
-
 /// Builds the profile that the keys describe.
 pub(super) fn build(keys: &ProfileKeys, folder: &Path) -> Result<Profile, ReferenceError> {
     let by = match keys.by {
@@ -136,13 +128,6 @@ enum Shape {
         amplitude_mps: f64,
         length: f64,
     },
-}
-
-/// A speed at a place on the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Point {
-    pub at: f64,
-    pub speed_mps: f64,
 }
 
 impl Profile {

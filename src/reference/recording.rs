@@ -1,9 +1,9 @@
 //! From a file to a profile: plain speed profiles as they are, a driver's recording by way of smoothing and reconstruction
 //! (Polack et al. 2017, Section 5.3).
 
-use super::ReferenceError;
+use super::error::ReferenceError;
 use super::index::Index;
-use super::profile::{Axis, Point};
+use super::point::{Axis, Point};
 use super::table::{Column, Quantity, Table};
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! CSV files with columns found by name, units in the name or not.
 
-use super::ReferenceError;
+use super::error::ReferenceError;
 use std::path::{Path, PathBuf};
 
 /// A quantity that a column can hold and its names, without units.
