@@ -1,7 +1,7 @@
 //! Configuration keys, each declared once: name, type, default, unit, range and one line of help.
 //!
 //! The macro [`keys!`](crate::keys!) makes a typed struct and its table from one declaration. The scenario reader checks a
-//! file against the table, `check --template` and `check --schema` print it, and a room reads its struct from the checked
+//! file against the table, `check --template` and `check --schema` print it, and a module reads its struct from the checked
 //! [`Values`]. Reading cannot fail, because table and reader come from the same declaration.
 //!
 //! ```

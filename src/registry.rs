@@ -1,11 +1,11 @@
-//! What can be chosen by name (controllers, plants, targets, ...): one list per kind, from which `list`, help texts,
-//! error messages and the contract tests come.
+//! Entries that can be chosen by name: controllers, targets, plants, bodies. There is one list per kind. `list`, the help
+//! texts, the error messages and the contract tests come from these lists.
 
 use std::fmt;
 
 use crate::keys::Key;
 
-/// One choice: its name, one line about it, the keys that it takes and how to build it.
+/// What can be chosen: a name, one line about it, the keys that it takes and its constructor.
 #[derive(Clone)]
 pub struct Entry<B> {
     /// The name used in scenario files and on the command line.

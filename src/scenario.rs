@@ -1,8 +1,12 @@
 //! What to run: a TOML file, a `.sumocfg` or a bare network with routes, together with what the command line overrides,
 //! becomes one [`Scenario`] of checked SI values.
 //!
-//! Every key lives in a table ([`mod@crate::keys`]): the fixed sections in `sections.rs`, the rest in the registries. Reading,
-//! range checks, suggestions, `check` and `check --template` all come from these tables, so a new key is one line.
+//! Every key is declared once ([`mod@crate::keys`]): those of the fixed sections in `sections.rs` and beside what they
+//! describe, those of a controller, target or plant with its entry. The check of a file, its suggestions, `check`,
+//! `check --template` and `check --schema` come from these declarations.
+//!
+//! A file is read in one pass that notes every mistake ([`Mistake`]) instead of stopping at the first one. What can be
+//! chosen by name is a value, the [`Catalog`], to which other crates add entries of their own.
 
 mod catalog;
 mod document;

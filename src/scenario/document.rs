@@ -1,5 +1,5 @@
-//! A scenario as written: TOML tables in which every entry knows where it comes from, so that a file and `--set` go the
-//! same way and their errors name the line or the argument.
+//! A scenario as written: TOML tables in which every entry has its place. A file and `--set` are read in the same way, and
+//! their errors name the line or the argument.
 
 use std::{collections::BTreeMap, ops::Range, path::PathBuf, sync::Arc};
 

@@ -118,8 +118,8 @@ fn files(scenario: &Scenario) -> Vec<PathBuf> {
     files
 }
 
-/// The keys of `[controller]` belong to the controller that the file names. If the command line names another, they are
-/// left out, and the user is told.
+/// The keys of `[controller]` belong to the controller that the file names. If the command line names another one, the keys
+/// are left out and a note says so.
 fn forget_other_choice(root: &mut Table, given: &Override, catalog: &Catalog, notes: &mut Vec<String>) {
     let Some((section, "name")) = given.path.split_once('.') else { return };
     let Some((_, entries)) = catalog.registries().into_iter().find(|(kind, _)| *kind == section) else { return };
