@@ -4,22 +4,38 @@
 //! [`Client`] reads and sets single values by the constants of one table, in modules named as in `libsumo`: [`simulation`],
 //! [`vehicle`], [`vehicletype`], [`route`], [`edge`], [`lane`], [`junction`], [`trafficlight`]. A constant knows its type;
 //! setting what cannot be set, or leaving out a parameter, does not compile.
-//! ```no_run
+//! ```
 //! use std::time::Duration;
-//! use sumo_mfc::traci::{SumoProcess, find_sumo, simulation, vehicle};
+//! use sumo_mfc::traci::{SumoProcess, Subscribed, find_sumo, simulation, vehicle};
 //!
-//! # async fn example() -> Result<(), sumo_mfc::traci::Error> {
-//! let args = ["-c".to_owned(), "city.sumocfg".to_owned()];
-//! let mut process = SumoProcess::spawn(&find_sumo(None)?, &args, None, "out".as_ref())?;
+//! # #[tokio::main(flavor = "current_thread")]
+//! # async fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let folder = tempfile::tempdir()?;
+//! # let log_dir = folder.path();
+//! let args = ["-n", "tests/data/traci/grid.net.xml", "-r", "tests/data/traci/grid.rou.xml"].map(String::from);
+//! let mut process = SumoProcess::spawn(&find_sumo(None)?, &args, None, log_dir)?;
 //! let mut client = process.connect(Duration::from_secs(60)).await?;
 //! client.step_until(10.0).await?;
 //! for id in client.get(vehicle::IDS, "").await? {
-//!     let speed_mps = client.get(vehicle::SPEED, &id).await?;
+//!     let speed_mps: f64 = client.get(vehicle::SPEED, &id).await?;
 //!     let leader = client.get_with(vehicle::LEADER, &id, 100.0).await?;
 //!     println!("{id}: {speed_mps} m/s behind {leader:?}");
-//!     client.set(vehicle::MAX_SPEED, &id, 12.0).await?;
 //! }
-//! println!("{} s", client.get(simulation::TIME, "").await?);
+//! client.set(vehicle::MAX_SPEED, "v0", 5.0).await?;
+//!
+//! // Values that come with every step are subscribed to, and read by the same variables, each in its type.
+//! let wanted = (vehicle::ROAD, vehicle::SPEED);
+//! let now_s = client.get(simulation::TIME, "").await?;
+//! client.subscribe(wanted, "v0", now_s).await?;
+//! for _ in 0..3 {
+//!     for block in client.step().await?.blocks() {
+//!         if let Subscribed::Own((Some(road), Some(speed_mps))) = block?.read(wanted)? {
+//!             println!("v0 is on {road}, {speed_mps} m/s");
+//! #           assert!(!road.is_empty() && (0.0..=5.0).contains(&speed_mps));
+//!         }
+//!     }
+//! }
+//! # assert_eq!(client.step().await?.block_count(), 1);
 //! client.close().await?;
 //! process.shut_down(Duration::from_secs(10)).await?;
 //! # Ok(())
