@@ -11,11 +11,12 @@ use super::question::{Gets, NoAnswer, Object, Question};
 use super::records::Counters;
 use super::sumo::Sumo;
 use crate::fleet::VehicleSetup;
+use crate::keys::Key;
 use crate::random::Stream;
 use crate::scenario::{EgoInfo, Group, Selector};
 use crate::sumo_files::Equipped;
 use crate::traci::{Var, vehicle, vehicletype};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Vehicles that are asked about in one message, some 60 values each: a crowd that departs at once must not make the
 /// buffers large for good.
@@ -78,7 +79,7 @@ pub struct Departed {
     speed_mps: Option<f64>,
     /// SUMO's odometer \[m\].
     pub odometer_m: f64,
-    parameters: Vec<(usize, String)>,
+    parameters: Vec<(&'static Key, String)>,
     /// Its driver imperfection, if that is changed.
     pub imperfection: Option<f64>,
     /// What body-leads mode changes, and the lane, if bodies lead.
@@ -107,15 +108,15 @@ impl Admission {
         sumo: &mut S,
         counters: &mut Counters,
     ) -> Result<S::Asked<VehicleQuestion>, CosimError> {
-        let mut questions = Vec::new();
+        let mut vehicles = Vec::new();
         for id in self.waiting.drain(..self.waiting.len().min(ASKED_AT_ONCE)) {
             match Object::new(id.as_str()) {
-                Ok(object) => questions.push(VehicleQuestion { object, wanted: self.wanted }),
+                Ok(vehicle) => vehicles.push(vehicle),
                 Err(error) => counters.refused.push((id, error.to_string())),
             }
         }
-        let objects: Vec<Object> = questions.iter().map(|question| question.object.clone()).collect();
-        sumo.ask(objects.iter().zip(questions))
+        let wanted = self.wanted;
+        sumo.ask(vehicles.iter().map(|vehicle| (vehicle, VehicleQuestion { object: vehicle.clone(), wanted })))
     }
 
     /// Takes the answers.
@@ -155,21 +156,14 @@ impl Admission {
     }
 
     async fn learn_types<S: Sumo>(&mut self, sumo: &mut S, vehicles: &[Departed]) -> Result<(), CosimError> {
-        let mut unknown: Vec<&str> = vehicles.iter().map(|v| v.type_id.as_str()).collect();
-        unknown.retain(|id| !self.types.contains_key(*id));
-        unknown.sort_unstable();
-        unknown.dedup();
-        if unknown.is_empty() {
-            return Ok(());
-        }
+        let unknown: BTreeSet<&str> =
+            vehicles.iter().map(|v| v.type_id.as_str()).filter(|id| !self.types.contains_key(*id)).collect();
         // Vehicles of a type whose id is too long are refused.
         let objects: Vec<Object> = unknown.into_iter().filter_map(|id| Object::new(id).ok()).collect();
-        let asked = sumo.ask(objects.iter().map(|object| (object, TypeQuestion { id: object.id.to_string() })))?;
+        let asked = sumo.ask(objects.iter().map(|object| (object, TypeQuestion(object.id.to_string()))))?;
         let types = &mut self.types;
-        sumo.answers(asked, |TypeQuestion { id }, answer| {
-            types.extend(answer.ok().flatten().map(|facts| (id, facts)));
-        })
-        .await
+        sumo.answers(asked, |TypeQuestion(id), answer| types.extend(answer.ok().flatten().map(|facts| (id, facts))))
+            .await
     }
 
     fn judge(&mut self, departed: Departed, counters: &mut Counters) -> Result<Option<Newcomer>, CosimError> {
@@ -225,22 +219,15 @@ impl Question for VehicleQuestion {
         let odometer_m = gets.number(vehicle::DISTANCE).unwrap_or(0.0);
         let parameters = parameters(gets, vehicle::PARAMETER);
         let imperfection = if self.wanted.imperfection { gets.number(vehicle::IMPERFECTION) } else { None };
-        let before = if self.wanted.before {
-            let before = Before::ask(gets);
-            let lane = gets.text(vehicle::LANE);
-            before.zip(lane.map(str::to_owned))
-        } else {
-            None
-        };
+        let before =
+            if self.wanted.before { Before::ask(gets).zip(gets.text(vehicle::LANE).map(str::to_owned)) } else { None };
         let (object, type_id) = (self.object.clone(), type_id?.to_owned());
         Some(Departed { object, type_id, speed_mps, odometer_m, parameters, imperfection, before })
     }
 }
 
 /// The question about a vType.
-struct TypeQuestion {
-    id: String,
-}
+struct TypeQuestion(String);
 
 impl Question for TypeQuestion {
     type Answer<'a> = Option<TypeFacts>;
@@ -271,13 +258,13 @@ impl Question for TypeQuestion {
     }
 }
 
-/// Asks for all `mfc.*` parameters, and keeps those that the object has, each with the index of its key.
-fn parameters<'a, S>(gets: &mut impl Gets<'a>, variable: Var<String, S, String>) -> Vec<(usize, String)> {
+/// Asks for all `mfc.*` parameters, and keeps those that the object has, each with its key.
+fn parameters<'a, S>(gets: &mut impl Gets<'a>, variable: Var<String, S, String>) -> Vec<(&'static Key, String)> {
     let mut given = Vec::new();
-    for (index, key) in parameter_keys().enumerate() {
+    for key in parameter_keys() {
         for name in parameter_names(key) {
             let text = gets.parameter(variable, &name).filter(|text| !text.is_empty());
-            given.extend(text.map(|text| (index, text.to_owned())));
+            given.extend(text.map(|text| (key, text.to_owned())));
         }
     }
     given

@@ -25,8 +25,8 @@ pub struct TypeFacts {
     pub emergency_decel_mps2: f64,
     /// Time between two decisions of SUMO's driver \[s\].
     pub action_step_s: f64,
-    /// `mfc.*` parameters, by index of [`parameter_keys`].
-    pub parameters: Vec<(usize, String)>,
+    /// `mfc.*` parameters, of [`parameter_keys`].
+    pub parameters: Vec<(&'static Key, String)>,
     /// `has.mfc.device`.
     pub equipped: Option<bool>,
     /// `device.mfc.probability`.
@@ -70,7 +70,7 @@ pub fn preset_of_class(class: &str) -> Option<&'static str> {
 pub fn vehicle(
     id: &str,
     facts: &TypeFacts,
-    parameters: &[(usize, String)],
+    parameters: &[(&'static Key, String)],
     group: &Group,
     tyre_curve: Option<&str>,
     seed: u64,
@@ -95,8 +95,7 @@ pub fn vehicle(
     let mut given = group.vehicle.body.draw(seed, id);
     let mut actuator = group.actuator.values.clone();
     actuator.0.append(&mut group.actuator.draw(seed, id).0);
-    for (index, text) in facts.parameters.iter().chain(parameters) {
-        let key = parameter_keys().nth(*index).expect("an index of parameter_keys()");
+    for (key, text) in facts.parameters.iter().chain(parameters) {
         given.0.insert(key.name, parse(id, key, text)?);
     }
     body.apply(&BodyKeys::from_values(&given));

@@ -36,32 +36,25 @@ impl Readings {
         Self { every: (1.0 / step_s).round().max(1.0) as u64 }
     }
 
-    /// Asks after the steps in which they are due. SUMO looks them up while the bodies drive to the same instant.
-    pub fn ask_if_due<S: Sumo>(
-        &self,
-        step: u64,
-        sumo: &mut S,
-        egos: &EgoTable,
-    ) -> Result<Option<S::Asked<ReadingQuestion>>, CosimError> {
-        if step.is_multiple_of(self.every) { self.ask(sumo, egos).map(Some) } else { Ok(None) }
+    /// Whether they are due after this step.
+    pub fn are_due(&self, step: u64) -> bool {
+        step.is_multiple_of(self.every)
     }
 
-    /// Asks about every ego.
-    pub fn ask<S: Sumo>(&self, sumo: &mut S, egos: &EgoTable) -> Result<S::Asked<ReadingQuestion>, CosimError> {
-        sumo.ask(egos.iter().map(|ego| (&ego.object, ReadingQuestion(ego.slot))))
+    /// Asks about every ego, or about none. SUMO looks the values up while the bodies drive to the same instant.
+    pub fn ask<S: Sumo>(due: bool, sumo: &mut S, egos: &EgoTable) -> Result<S::Asked<ReadingQuestion>, CosimError> {
+        sumo.ask(egos.iter().filter(|_| due).map(|ego| (&ego.object, ReadingQuestion(ego.slot))))
     }
 
     /// Takes the answers: odometers are compared, and what a body did since the last reading goes to the road that it is
     /// on now.
     pub async fn hear<S: Sumo>(
-        &self,
-        asked: Option<S::Asked<ReadingQuestion>>,
+        asked: S::Asked<ReadingQuestion>,
         sumo: &mut S,
         egos: &mut EgoTable,
         fleet: &mut Fleet,
         roads: &mut Roads,
     ) -> Result<(), CosimError> {
-        let Some(asked) = asked else { return Ok(()) };
         let note = |ReadingQuestion(slot): ReadingQuestion, answer: Result<Reading<'_>, NoAnswer>| {
             let (Ok(reading), Some(ego)) = (answer, egos.get_mut(slot)) else { return };
             let (block, lane) = (fleet.block_mut(slot), slot.lane());

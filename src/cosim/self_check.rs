@@ -47,7 +47,7 @@ pub struct Check {
 }
 
 /// One car at the end of one SUMO step.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Moment {
     time_s: f64,
     /// The body's speed before the step, and what SUMO took the car's to be once it was told.
@@ -80,15 +80,7 @@ pub async fn examine(sumo: impl Sumo, setup: WorldSetup) -> Result<Vec<Check>, C
             else {
                 continue;
             };
-            let Body { speed_mps, distance_m, sumo_mps } = after;
-            egos[i].push(Moment {
-                time_s,
-                before_mps: before.speed_mps,
-                believed_mps,
-                sumo_mps,
-                speed_mps,
-                distance_m,
-            });
+            egos[i].push(Moment { time_s, before_mps: before.speed_mps, believed_mps, ..after });
         }
         // Not there before its departure: then it has no speed.
         if let [Some(speed_mps)] = sumo_speeds_mps(&mut world, &objects[EGOS.len()..]).await?[..] {
@@ -124,17 +116,12 @@ async fn sumo_speeds_mps<S: Sumo>(world: &mut World<S>, vehicles: &[Object]) -> 
     Ok(speeds_mps)
 }
 
-/// A body after a step: its speed and odometer, and SUMO's choice v*.
-struct Body {
-    speed_mps: f64,
-    distance_m: f64,
-    sumo_mps: f64,
-}
-
-fn body<S: Sumo>(world: &World<S>, id: &str) -> Option<Body> {
+/// A body as it is now; what it was before the step is not known here.
+fn body<S: Sumo>(world: &World<S>, id: &str) -> Option<Moment> {
     let (ego, block) = world.driving().find(|(ego, _)| &**ego.id() == id)?;
     let lane = ego.slot.lane();
-    Some(Body { speed_mps: block.speed_mps(lane), distance_m: block.distance_m(lane), sumo_mps: block.sumo_mps(lane) })
+    let (speed_mps, sumo_mps, distance_m) = (block.speed_mps(lane), block.sumo_mps(lane), block.distance_m(lane));
+    Some(Moment { speed_mps, sumo_mps, distance_m, ..Moment::default() })
 }
 
 /// The first time after `from_s` at which the compared speed is reached \[s\].

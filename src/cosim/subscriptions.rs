@@ -25,27 +25,31 @@ enum Kept {
     Text(String),
 }
 
-/// What a block about a vehicle is to us.
-enum SubscriptionBlock {
-    /// The values that we subscribed to.
-    Own(Vec<(u8, Kept)>),
-    /// The vehicle is not there any more.
-    Removed,
-    /// What another client subscribed to.
-    Foreign,
-}
+impl Subscriptions {
+    /// A vehicle with the first variable that it is watched for.
+    pub fn add(&mut self, vehicle: &Object, first: u8) {
+        self.0.insert(vehicle.id.clone(), Watched { first, values: Some(Vec::new()) });
+    }
 
-impl SubscriptionBlock {
-    fn decode(block: &Block<'_>, first: u8) -> Result<Self, CosimError> {
-        let mut values = Vec::new();
-        let mut is_own = false;
+    /// The vehicle is not watched any more.
+    pub fn remove(&mut self, id: &str) {
+        self.0.remove(id);
+    }
+
+    /// A step is over: what was known before it is old, and vehicles that were gone then are not watched any more.
+    pub fn forget_values(&mut self) {
+        self.0.retain(|_, watched| watched.values.take().is_some());
+    }
+
+    /// Takes a block about a vehicle: its values, if it has the first variable; nothing, if SUMO declines that, because
+    /// the vehicle is gone; and no change, if another client subscribed to it.
+    pub fn note(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
+        let Some(watched) = self.0.get_mut(block.id) else { return Ok(()) };
+        let (mut values, mut first_is_there) = (Vec::new(), None);
         for entry in block.values() {
             let (variable, value) = entry?;
-            if variable == first {
-                is_own = true;
-                if value.is_err() {
-                    return Ok(Self::Removed);
-                }
+            if variable == watched.first {
+                first_is_there = Some(value.is_ok());
             }
             let kept = match value {
                 Ok(Value::Double(v)) => Kept::Number(v),
@@ -55,33 +59,8 @@ impl SubscriptionBlock {
             };
             values.push((variable, kept));
         }
-        Ok(if is_own { Self::Own(values) } else { Self::Foreign })
-    }
-}
-
-impl Subscriptions {
-    /// A vehicle with the first variable that it is watched for.
-    pub fn add(&mut self, vehicle: &Object, first: u8) {
-        self.0.insert(vehicle.id.clone(), Watched { first, values: None });
-    }
-
-    /// The vehicle is not watched any more.
-    pub fn remove(&mut self, id: &str) {
-        self.0.remove(id);
-    }
-
-    /// A step is over: what was known before it is old.
-    pub fn forget_values(&mut self) {
-        self.0.values_mut().for_each(|watched| watched.values = None);
-    }
-
-    /// Takes a block about a vehicle.
-    pub fn note(&mut self, block: &Block<'_>) -> Result<(), CosimError> {
-        let Some(watched) = self.0.get_mut(block.id) else { return Ok(()) };
-        match SubscriptionBlock::decode(block, watched.first)? {
-            SubscriptionBlock::Own(values) => watched.values = Some(values),
-            SubscriptionBlock::Removed => watched.values = None,
-            SubscriptionBlock::Foreign => {}
+        if let Some(is_there) = first_is_there {
+            watched.values = is_there.then_some(values);
         }
         Ok(())
     }

@@ -9,7 +9,9 @@ use super::events::Events;
 use super::question::{Gets, NoAnswer, Object, Question};
 use super::subscriptions::{Subscriptions, Variables};
 use super::sumo::{Joined, Sumo, Tell};
-use crate::traci::{Batch, BatchError, Block, Client, Domain, Never, Reply, Ticket, Value, Var, simulation, vehicle};
+use crate::traci::{
+    Batch, BatchError, Block, Client, Domain, Never, Reply, Subscribed, Ticket, Value, Var, simulation, vehicle,
+};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -27,12 +29,18 @@ pub struct TraciLink {
 
 /// Questions under way.
 pub struct Asked<Q> {
-    /// Each with the place of the first answer in the reply.
-    questions: Vec<(Q, usize)>,
-    /// Each with its vehicle, where the answer comes from subscriptions.
-    watched: Vec<(Q, Arc<str>)>,
-    unaskable: Vec<(Q, BatchError)>,
+    questions: Vec<(Q, Source)>,
     ticket: Option<Ticket>,
+}
+
+/// Where an answer comes from.
+enum Source {
+    /// The reply, from this command on.
+    Reply(usize),
+    /// The subscription of this vehicle.
+    Subscription(Arc<str>),
+    /// Nowhere: the question could not be sent.
+    Nowhere(Box<BatchError>),
 }
 
 impl TraciLink {
@@ -66,7 +74,7 @@ impl Sumo for TraciLink {
         let time_s = self.client.get(simulation::TIME, "").await?;
         self.time_s = time_s;
         let mut batch = Batch::new();
-        batch.subscribe_ids(Domain::Simulation, "", &EVENTS, time_s)?;
+        batch.subscribe(EVENTS, "", time_s)?;
         let present = batch.get(vehicle::IDS, "")?;
         let expected = batch.get(simulation::EXPECTED, "")?;
         let reply = self.client.exchange(&batch).await?;
@@ -158,26 +166,22 @@ impl Sumo for TraciLink {
         &mut self,
         questions: impl Iterator<Item = (&'o Object, Q)>,
     ) -> Result<Asked<Q>, CosimError> {
-        let mut asked = Asked { questions: Vec::new(), watched: Vec::new(), unaskable: Vec::new(), ticket: None };
-        if Q::EVERY_STEP && self.subscriptions.is_some() {
-            asked.watched = questions.map(|(object, question)| (question, object.id.clone())).collect();
-            return Ok(asked);
-        }
+        let subscribed = Q::EVERY_STEP && self.subscriptions.is_some();
         self.message.clear();
-        for (object, question) in questions {
+        let with_source = |(object, question): (&'o Object, Q)| {
+            if subscribed {
+                return (question, Source::Subscription(object.id.clone()));
+            }
             let first = self.message.len();
             let mut writer = Writer { batch: &mut self.message, object, failed: None };
             question.answer(&mut writer);
-            match writer.failed {
-                None => asked.questions.push((question, first)),
-                // What was asked of it so far is answered and left unread.
-                Some(error) => asked.unaskable.push((question, error)),
-            }
-        }
-        if !self.message.is_empty() {
-            asked.ticket = Some(self.client.queue(&self.message)?);
-        }
-        Ok(asked)
+            // What was asked before a failure is answered and left unread.
+            let source = writer.failed.map_or(Source::Reply(first), |error| Source::Nowhere(Box::new(error)));
+            (question, source)
+        };
+        let questions = questions.map(with_source).collect();
+        let ticket = if self.message.is_empty() { None } else { Some(self.client.queue(&self.message)?) };
+        Ok(Asked { questions, ticket })
     }
 
     async fn answers<Q: Question>(
@@ -185,31 +189,26 @@ impl Sumo for TraciLink {
         asked: Asked<Q>,
         mut each: impl for<'a> FnMut(Q, Result<Q::Answer<'a>, NoAnswer>),
     ) -> Result<(), CosimError> {
-        for (question, error) in asked.unaskable {
-            each(question, Err(NoAnswer::Unaskable(error)));
-        }
-        if let Some(ticket) = asked.ticket {
-            let reply = self.client.receive(ticket).await?;
-            for (question, first) in asked.questions {
-                let answer = match reply.refusal(first) {
-                    Some(_) => Err(NoAnswer::Gone),
-                    None => Ok(question.answer(&mut Reader { reply, next: first })),
-                };
-                each(question, answer);
-            }
-        }
-        for (question, id) in asked.watched {
-            let Some(subscriptions) = &mut self.subscriptions else { continue };
-            match subscriptions.values(&id) {
-                Some(mut values) => {
-                    let answer = question.answer(&mut values);
-                    each(question, Ok(answer));
+        let reply = match asked.ticket {
+            Some(ticket) => Some(self.client.receive(ticket).await?),
+            None => None,
+        };
+        for (question, source) in asked.questions {
+            let answer = match source {
+                Source::Reply(first) => reply
+                    .filter(|reply| reply.refusal(first).is_none())
+                    .map(|reply| question.answer(&mut Reader { reply, next: first })),
+                Source::Subscription(id) => self
+                    .subscriptions
+                    .as_ref()
+                    .and_then(|subscriptions| subscriptions.values(&id))
+                    .map(|mut values| question.answer(&mut values)),
+                Source::Nowhere(error) => {
+                    each(question, Err(NoAnswer::Unaskable(*error)));
+                    continue;
                 }
-                None => {
-                    subscriptions.remove(&id);
-                    each(question, Err(NoAnswer::Gone));
-                }
-            }
+            };
+            each(question, answer.ok_or(NoAnswer::Gone));
         }
         Ok(())
     }
@@ -230,39 +229,26 @@ impl Sumo for TraciLink {
     }
 }
 
-/// Variables of the simulation that report events.
-const EVENTS: [u8; 6] = [
-    simulation::TIME.id,
-    simulation::DEPARTED.id,
-    simulation::ARRIVED.id,
-    simulation::TELEPORT_START.id,
-    simulation::COLLIDING.id,
-    simulation::EXPECTED.id,
-];
+/// What reports the events of a step: time, vehicles that are still expected, departures, arrivals, teleports, vehicles
+/// in collisions.
+const EVENTS: (Var<f64>, Var<i32>, Var<Vec<String>>, Var<Vec<String>>, Var<Vec<String>>, Var<Vec<String>>) = (
+    simulation::TIME,
+    simulation::EXPECTED,
+    simulation::DEPARTED,
+    simulation::ARRIVED,
+    simulation::TELEPORT_START,
+    simulation::COLLIDING,
+);
 
-/// Reads a block about the simulation. SUMO sends every client what any client has subscribed to: of what comes twice
-/// the last stays, what is not here comes in another block.
+/// Reads a block about the simulation, unless it is another client's.
 fn note_events(block: &Block<'_>, events: &mut Events) -> Result<(), CosimError> {
-    for entry in block.values() {
-        let (id, Ok(value)) = entry? else { continue };
-        let list = if id == simulation::DEPARTED.id {
-            &mut events.departed
-        } else if id == simulation::ARRIVED.id {
-            &mut events.arrived
-        } else if id == simulation::TELEPORT_START.id {
-            &mut events.teleported
-        } else {
-            if id == simulation::TIME.id {
-                events.time_s = value.as_f64().unwrap_or(events.time_s);
-            } else if id == simulation::EXPECTED.id {
-                events.expected = value.as_i32().unwrap_or(events.expected);
-            } else if id == simulation::COLLIDING.id {
-                events.colliding = value.as_texts().into_iter().flatten().count() > 0;
-            }
-            continue;
-        };
-        list.clear();
-        list.extend(value.as_texts().into_iter().flatten().map(str::to_owned));
+    if let Subscribed::Own((time_s, expected, departed, arrived, teleported, colliding)) = block.read(EVENTS)? {
+        events.time_s = time_s.unwrap_or(events.time_s);
+        events.expected = expected.unwrap_or(events.expected);
+        events.departed = departed.unwrap_or_default();
+        events.arrived = arrived.unwrap_or_default();
+        events.teleported = teleported.unwrap_or_default();
+        events.colliding = !colliding.unwrap_or_default().is_empty();
     }
     Ok(())
 }

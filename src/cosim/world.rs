@@ -9,7 +9,7 @@ use super::events::Events;
 use super::leader::Leader;
 use super::observation::EgoQuestion;
 use super::question::NoAnswer;
-use super::readings::Readings;
+use super::readings::{ReadingQuestion, Readings};
 use super::records::{Finished, Reason, Records};
 use super::sumo::{Sumo, Tell};
 use super::traci_link::TraciLink;
@@ -140,7 +140,7 @@ impl<S: Sumo> World<S> {
         self.settle_departures_and_arrivals();
         self.settle_teleports();
         let departed = self.admission.ask(&mut self.sumo, &mut self.records.counters)?;
-        let readings = self.readings.ask_if_due(self.steps, &mut self.sumo, &self.egos)?;
+        let readings = Readings::ask(self.readings.are_due(self.steps), &mut self.sumo, &self.egos)?;
         for (place, chunk) in chunks.iter_mut().enumerate() {
             self.hear(chunk).await?;
             self.end_lost();
@@ -148,7 +148,7 @@ impl<S: Sumo> World<S> {
             self.tell(&chunk.members).await?;
         }
         self.admission.hear(&mut self.sumo, departed, &mut self.records.counters).await?;
-        self.readings.hear(readings, &mut self.sumo, &mut self.egos, &mut self.fleet, &mut self.records.roads).await
+        self.hear_readings(readings).await
     }
 
     /// Gives a slot and a body to every vehicle that has departed and is to be an ego.
@@ -189,27 +189,22 @@ impl<S: Sumo> World<S> {
     /// bodies that lead. All other speeds were told after the last step.
     fn tell_before_step(&mut self) -> Result<(), CosimError> {
         let newcomers = std::mem::take(&mut self.newcomers);
-        let new = || newcomers.iter().filter_map(|slot| self.egos.get(*slot));
-        for ego in new() {
+        for ego in newcomers.iter().filter_map(|slot| self.egos.get(*slot)) {
             if let (Some(sigma), Some(_)) = (self.sigma, ego.imperfection_before) {
                 self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
             }
             if let Some(leader) = &ego.leader {
                 let limits_mps2 = self.fleet.block(ego.slot).acceleration_limits_mps2(ego.slot.lane());
                 leader.take_over(&mut self.sumo, &ego.object, limits_mps2)?;
-            }
-        }
-        for ego in new() {
-            if ego.leader.is_none() {
+            } else {
                 self.sumo.tell(&ego.object, self.speed_of(ego))?;
             }
             self.sumo.watch(&ego.object, &EgoQuestion::whole(ego, self.grade))?;
         }
-        if self.body_leads.anywhere() {
-            for ego in self.egos.iter().filter(|ego| ego.presence == Presence::Driving) {
-                if let Some(leader) = &ego.leader {
-                    self.sumo.tell(&ego.object, leader.command())?;
-                }
+        let driving = |ego: &&Ego| self.body_leads.anywhere() && ego.presence == Presence::Driving;
+        for ego in self.egos.iter().filter(driving) {
+            if let Some(leader) = &ego.leader {
+                self.sumo.tell(&ego.object, leader.command())?;
             }
         }
         Ok(())
@@ -229,7 +224,7 @@ impl<S: Sumo> World<S> {
         for slot in self.egos.slots() {
             let place = slot.block() / BLOCKS_PER_CHUNK;
             if place >= chunks.len() {
-                chunks.resize_with(place + 1, Chunk::default);
+                chunks.resize_with(place + 1, || Chunk { members: Vec::new(), asked: None });
             }
             chunks[place].members.push(slot);
         }
@@ -325,6 +320,11 @@ impl<S: Sumo> World<S> {
         self.sumo.hand_over().await
     }
 
+    async fn hear_readings(&mut self, asked: S::Asked<ReadingQuestion>) -> Result<(), CosimError> {
+        let Self { sumo, egos, fleet, records, .. } = self;
+        Readings::hear(asked, sumo, egos, fleet, &mut records.roads).await
+    }
+
     fn end(&mut self, slot: Slot, reason: Reason) {
         if let Some(ego) = self.egos.remove(slot) {
             self.records.end(ego, &mut self.fleet, self.events.time_s, reason);
@@ -345,10 +345,8 @@ impl<S: Sumo> World<S> {
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
         // Who departed in the last step has a record too, without samples.
         self.admit_newcomers().await?;
-        let readings = self.readings.ask(&mut self.sumo, &self.egos)?;
-        self.readings
-            .hear(Some(readings), &mut self.sumo, &mut self.egos, &mut self.fleet, &mut self.records.roads)
-            .await?;
+        let readings = Readings::ask(true, &mut self.sumo, &self.egos)?;
+        self.hear_readings(readings).await?;
         for ego in self.egos.iter() {
             if let Some(sigma) = ego.imperfection_before {
                 self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
@@ -448,10 +446,4 @@ impl<S: Sumo> World<S> {
 struct Chunk<S: Sumo> {
     members: Vec<Slot>,
     asked: Option<S::Asked<EgoQuestion>>,
-}
-
-impl<S: Sumo> Default for Chunk<S> {
-    fn default() -> Self {
-        Self { members: Vec::new(), asked: None }
-    }
 }

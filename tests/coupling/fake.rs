@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sumo_mfc::cosim::{CosimError, Events, Gets, Joined, NoAnswer, Object, Question, Sumo, Tell};
-use sumo_mfc::traci::{Domain, Value, lane, vehicle, vehicletype};
+use sumo_mfc::traci::{Domain, Error, Value, lane, vehicle, vehicletype};
 
 /// Length of a step [s].
 pub const STEP_S: f64 = 0.1;
@@ -85,6 +85,11 @@ pub struct Fake {
     pub told: Vec<(Arc<str>, Tell)>,
     /// Vehicles watched now.
     pub watched: Vec<Arc<str>>,
+    /// The step in which the connection is lost.
+    pub lost_in: Option<u64>,
+    /// Questions that were asked, and those that were answered, one by one.
+    pub asked: usize,
+    pub answered: usize,
     waiting: Vec<(Arc<str>, Tell)>,
     road: BTreeMap<String, Driver>,
     step: u64,
@@ -236,6 +241,9 @@ impl Sumo for Fake {
     }
 
     async fn events(&mut self, step: Events, events: &mut Events) -> Result<(), CosimError> {
+        if self.lost_in == Some(self.step) {
+            return Err(Error::Disconnected(std::io::ErrorKind::ConnectionReset.into()).into());
+        }
         *events = step;
         Ok(())
     }
@@ -244,7 +252,9 @@ impl Sumo for Fake {
         &mut self,
         questions: impl Iterator<Item = (&'o Object, Q)>,
     ) -> Result<Vec<(Arc<str>, Q)>, CosimError> {
-        Ok(questions.map(|(object, question)| (object.id.clone(), question)).collect())
+        let asked: Vec<_> = questions.map(|(object, question)| (object.id.clone(), question)).collect();
+        self.asked += asked.len();
+        Ok(asked)
     }
 
     async fn answers<Q: Question>(
@@ -257,6 +267,7 @@ impl Sumo for Fake {
             let mut values = Values { id: &id, driver, gone: false };
             let answer = question.answer(&mut values);
             let answer = if values.gone { Err(NoAnswer::Gone) } else { Ok(answer) };
+            self.answered += 1;
             each(question, answer);
         }
         Ok(())
@@ -306,8 +317,10 @@ fn type_value(id: &str, variable: u8) -> Value<'_> {
         v if v == vehicletype::LENGTH.id => Value::Double(LENGTH_M),
         v if v == vehicletype::ACCEL.id => Value::Double(ACCEL_MPS2),
         v if v == vehicletype::EMERGENCY_DECEL.id => Value::Double(9.0),
+        v if v == vehicletype::ACTION_STEP_LENGTH.id => Value::Double(STEP_S),
         v if v == vehicletype::MASS.id => Value::Double(1500.0),
-        _ => Value::Text(""),
+        v if v == vehicletype::PARAMETER.id => Value::Text(""),
+        _ => panic!("nobody asks for 0x{variable:02x} of a vType"),
     }
 }
 

@@ -275,6 +275,25 @@ fn selectors_leave_vehicles_to_sumo() {
     assert_eq!(world.records().counters.unequipped, 1);
 }
 
+/// What was computed until then is there, and nothing of the step that was lost.
+#[test]
+fn a_connection_that_is_lost_within_a_step_leaves_incomplete_records() {
+    let mut fake = Fake::new([Car::new("a", 0, 0), Car { arrives_at_m: 100.0, ..Car::new("b", 1, 0) }]);
+    fake.lost_in = Some(121);
+    let mut world = world(fake, &[]);
+    step(&mut world, 120);
+    let distance_m = 20.0 * 12.0 - 20.0 * 20.0 / 2.6 / 2.0;
+    let lost = now(world.step()).unwrap_err();
+    assert!(lost.to_string().contains("SUMO ended the connection"), "{lost}");
+    world.end_all(Reason::Incomplete);
+    let records = world.records();
+    let reasons = ["a", "b"].map(|id| record(records, id).reason);
+    assert_eq!(reasons, [Reason::Incomplete, Reason::Arrived]);
+    let row = record(records, "a");
+    assert_eq!((row.stats.samples, row.arrival_s), (120 * 10, None));
+    assert!((row.distance_m - distance_m).abs() < 2.0, "{} {distance_m}", row.distance_m);
+}
+
 /// Egos stay in the order of their admission, also where more depart than are asked about at once, and where others leave.
 #[test]
 fn egos_stay_in_the_order_of_their_admission() {
@@ -308,7 +327,12 @@ fn crowd(shared: bool, others: usize) -> Vec<(String, Reason, String)> {
     fake.shared = shared;
     fake.collisions.insert(160, vec![["a3", "a4"]]);
     let mut world = world(fake, &["noise.power_db=-20"]);
-    step(&mut world, 500);
+    for _ in 0..500 {
+        step(&mut world, 1);
+        let sumo = world.sumo_mut();
+        assert_eq!(sumo.asked, sumo.answered, "each question is answered once, in its own step");
+    }
+    assert!(world.sumo_mut().asked > 500);
     let records = end(world);
     assert!(records.finished.iter().filter(|record| record.reason == Reason::Arrived).count() > 5);
     let of_interest = records.finished.iter().filter(|record| record.id.starts_with('a'));
