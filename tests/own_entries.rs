@@ -11,7 +11,7 @@ use sumo_mfc::registry::{RegistrationError, find};
 use sumo_mfc::run::{self, RunOptions, SessionOptions};
 use sumo_mfc::scenario::{Catalog, Override, Request, Scenario, schema, template};
 
-#[path = "../examples/own_law.rs"]
+#[path = "../examples/external/own_law/src/main.rs"]
 #[allow(dead_code)]
 mod own_law;
 

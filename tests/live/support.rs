@@ -65,28 +65,34 @@ pub struct Ended {
 pub struct Running {
     pub child: Child,
     folder: TempDir,
+    limit: Duration,
 }
 
 impl Running {
     /// Starts a command.
-    pub fn start(mut command: Command) -> Self {
+    pub fn start(command: Command) -> Self {
+        Self::start_for(command, LIMIT)
+    }
+
+    /// Starts a command that may take as long as this.
+    pub fn start_for(mut command: Command, limit: Duration) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str| File::create(folder.path().join(name)).unwrap();
         command.stdin(Stdio::null()).stdout(file("stdout")).stderr(file("stderr"));
         let child = command.spawn().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-        Self { child, folder }
+        Self { child, folder, limit }
     }
 
     /// Waits for its end.
     pub fn wait(mut self) -> Ended {
-        let deadline = Instant::now() + LIMIT;
+        let deadline = Instant::now() + self.limit;
         let status = loop {
             if let Some(status) = self.child.try_wait().unwrap() {
                 break status;
             }
             if Instant::now() > deadline {
                 self.child.kill().unwrap();
-                panic!("not ended after {LIMIT:?}:\n{}", self.read("stderr"));
+                panic!("not ended after {:?}:\n{}", self.limit, self.read("stderr"));
             }
             std::thread::sleep(Duration::from_millis(5));
         };

@@ -1,4 +1,4 @@
-//! Steps SUMO and prints the speed of every vehicle: `cargo run --example print_speeds -- -c city.sumocfg`.
+//! Steps SUMO and prints the speed of every vehicle: `cargo run -- -c city.sumocfg`.
 //!
 //! One message per step: subscriptions of the vehicles that departed, and the step. One reply: everybody's speed.
 

@@ -1,5 +1,5 @@
 //! The whole command line with a law of one's own, proportional with feed-forward:
-//! `cargo run --example own_law -- run scenarios/straight.toml --controller proportional --set controller.k_p=2`.
+//! `cargo run -- run scenarios/straight.toml --controller proportional --set controller.k_p=2`.
 
 use std::process::ExitCode;
 
