@@ -229,9 +229,12 @@ impl Sumo for TraciLink {
     }
 }
 
+/// A variable that is a list of ids.
+type Ids = Var<Vec<String>>;
+
 /// What reports the events of a step: time, vehicles that are still expected, departures, arrivals, teleports, vehicles
 /// in collisions.
-const EVENTS: (Var<f64>, Var<i32>, Var<Vec<String>>, Var<Vec<String>>, Var<Vec<String>>, Var<Vec<String>>) = (
+const EVENTS: (Var<f64>, Var<i32>, Ids, Ids, Ids, Ids) = (
     simulation::TIME,
     simulation::EXPECTED,
     simulation::DEPARTED,
