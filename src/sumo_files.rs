@@ -11,6 +11,7 @@ mod error;
 mod include;
 mod options;
 mod path;
+mod records;
 mod redirect;
 mod settings;
 mod setup;

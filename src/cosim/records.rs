@@ -16,6 +16,8 @@ pub enum Reason {
     Running,
     /// Somebody else took it out.
     Removed,
+    /// SUMO took it out after a collision.
+    Collided,
     /// SUMO teleported it and it never came back.
     TeleportedOut,
     /// Its plant left the range of sensible states.
@@ -26,8 +28,15 @@ pub enum Reason {
 
 impl Reason {
     /// All reasons.
-    pub const ALL: [Self; 6] =
-        [Self::Arrived, Self::Running, Self::Removed, Self::TeleportedOut, Self::Diverged, Self::Incomplete];
+    pub const ALL: [Self; 7] = [
+        Self::Arrived,
+        Self::Running,
+        Self::Removed,
+        Self::Collided,
+        Self::TeleportedOut,
+        Self::Diverged,
+        Self::Incomplete,
+    ];
 
     /// As in the column `reason`.
     pub fn as_str(self) -> &'static str {
@@ -35,6 +44,7 @@ impl Reason {
             Self::Arrived => "arrived",
             Self::Running => "running",
             Self::Removed => "removed",
+            Self::Collided => "collided",
             Self::TeleportedOut => "teleported_out",
             Self::Diverged => "diverged",
             Self::Incomplete => "incomplete",

@@ -8,6 +8,7 @@ use crate::scenario::ScenarioError;
 use crate::sumo_files::SumoFileError;
 use crate::traci;
 use std::path::PathBuf;
+use std::process::ExitStatus;
 
 /// Why there is no whole result.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -50,6 +51,12 @@ pub enum RunError {
     /// The system refuses threads or sockets.
     #[error("cannot start the run: {0}")]
     System(String),
+    /// SUMO ended, but not well.
+    #[error("SUMO has ended with {0}: its outputs may not be whole")]
+    SumoFailed(ExitStatus),
+    /// SUMO's outputs are not whole.
+    #[error("{0}; the rows are written, and marked incomplete")]
+    Outputs(String),
     /// A signal ended the run before its end.
     #[error("ended by a signal ({0:?})")]
     Interrupted(Signal),

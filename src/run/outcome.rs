@@ -1,11 +1,10 @@
 //! What a run comes to: SUMO's own outputs joined with the fleet's records.
 
-use super::error::RunError;
 use super::rows::{EdgeRow, VehicleRow, edge_rows};
 use super::summary::{NO_EGOS, SumoTotals};
-use crate::cosim::{Counters, Finished, Records};
+use crate::cosim::{Counters, Finished, Reason, Records};
 use crate::scenario::Scenario;
-use crate::sumo_files::{SumoCommand, SumoStatistics, Trips};
+use crate::sumo_files::{SumoCommand, SumoFileError, SumoStatistics, Trips};
 
 /// Rows and totals of a run.
 pub struct Outcome {
@@ -17,53 +16,77 @@ pub struct Outcome {
     pub totals: SumoTotals,
     /// Counts of vehicles that are no egos, as [`NO_EGOS`].
     pub counts: [u64; NO_EGOS.len()],
+    /// What the user should be told.
+    pub notes: Vec<String>,
+    /// What is wrong with SUMO's outputs, so that the result is not whole.
+    pub broken: Option<String>,
 }
 
 impl Outcome {
     /// Joins the records with what the SUMO that we started has written. Of one that we joined, and of one that died,
-    /// only what the replies told is known.
-    pub fn new(
-        scenario: &Scenario,
-        records: Records,
-        time_s: f64,
-        own_sumo: Option<&SumoCommand>,
-        broken: bool,
-    ) -> Result<Self, RunError> {
-        let read = own_sumo.map(|command| {
-            Ok::<_, RunError>((SumoStatistics::read(&command.statistics)?, Trips::read(&command.tripinfo)?))
-        });
-        let (statistics, trips) = match read {
-            Some(Ok((statistics, trips))) => (Some(statistics), trips),
-            Some(Err(error)) if !broken => return Err(error),
-            _ => (None, Trips::default()),
+    /// only what the replies told is known. Rows do not depend on SUMO's files: those that cannot be read leave the columns
+    /// empty that come from them.
+    pub fn new(scenario: &Scenario, records: Records, time_s: f64, own_sumo: Option<&SumoCommand>, died: bool) -> Self {
+        let mut notes = notes(&records.counters);
+        let mut told = |error: SumoFileError, instead: &str| {
+            if !died {
+                notes.push(format!("{error}: {instead}"));
+            }
         };
+        let statistics = own_sumo.and_then(|own| {
+            let totals = "inserted, collisions and teleports are those told over TraCI";
+            SumoStatistics::read(&own.statistics).map_err(|error| told(error, totals)).ok()
+        });
+        let trips = own_sumo
+            .and_then(|own| Trips::read(&own.tripinfo).map_err(|error| told(error, "time losses are missing")).ok());
+        let cut = trips.as_ref().is_some_and(|trips| !trips.whole) && !died;
+        let broken = own_sumo.filter(|_| cut).map(|own| format!("{}: the file breaks off", own.tripinfo.display()));
+        let (has_trips, mut trips) = (trips.is_some(), trips.unwrap_or_default());
         let counters = &records.counters;
-        // SUMO's own `vehicleTripStatistics` also average over unfinished trips, hence the trips.
-        let (arrived, time_loss_mean_s) = trips.arrivals();
+        let (mut arrived, time_loss_mean_s) = trips.arrivals();
+        // `device.tripinfo.probability` leaves vehicles out.
+        let (found, departed) = (trips.all().count() as u64, counters.departed);
+        if found < departed {
+            arrived = counters.arrived;
+            if has_trips && !died {
+                notes.push(format!(
+                    "SUMO's tripinfo holds {found} of {departed} vehicles: time losses are those of these"
+                ));
+            }
+        }
         let totals = match statistics {
             Some(SumoStatistics { inserted, collisions, teleports, .. }) => {
                 SumoTotals { inserted, arrived, time_loss_mean_s, collisions, teleports }
             }
             None => SumoTotals {
                 inserted: counters.departed,
-                arrived: counters.arrived,
-                time_loss_mean_s: None,
+                arrived,
+                time_loss_mean_s,
                 collisions: counters.collision_pairs as u64,
                 teleports: counters.teleports,
             },
         };
         let edges = edge_rows(&records.roads);
         let counts = [counters.unequipped, counters.others.values().sum(), counters.refused.len() as u64];
-        let rows = records.finished.into_iter().map(|record| row(record, &trips, scenario, time_s)).collect();
-        Ok(Self { rows, edges, totals, counts })
+        let rows = records.finished.into_iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
+        Self { rows, edges, totals, counts, notes, broken }
     }
 }
 
-fn row(record: Finished, trips: &Trips, scenario: &Scenario, end_s: f64) -> VehicleRow {
-    let trip = trips.by_id.get(&*record.id);
+/// The row of an ego. An id that was used twice takes its trips one after the other.
+fn row(record: Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) -> VehicleRow {
+    let trip = trips.by_id.get_mut(&*record.id).and_then(|trips| trips.pop_front());
     let group = &scenario.groups[record.group];
-    let depart = trip.map_or(record.depart_s, |t| t.depart_s);
-    let arrival = trip.and_then(|t| t.arrival_s).or(record.arrival_s);
+    let depart = milliseconds(trip.as_ref().map_or(record.depart_s, |t| t.depart_s));
+    let reason = match (record.reason, trip.as_ref().and_then(|t| t.taken_out.as_deref())) {
+        // TraCI calls all of them arrived.
+        (Reason::Arrived, Some("collision")) => Reason::Collided,
+        (Reason::Arrived, Some("teleport")) => Reason::TeleportedOut,
+        (Reason::Arrived, Some(_)) => Reason::Removed,
+        (reason, _) => reason,
+    };
+    let ended = trip.as_ref().and_then(|t| t.arrival_s).or(record.arrival_s);
+    let arrival = ended.filter(|_| reason != Reason::Removed && reason != Reason::Collided).map(milliseconds);
     VehicleRow {
         id: record.id.to_string(),
         vehicle_type: record.type_id.into(),
@@ -71,18 +94,23 @@ fn row(record: Finished, trips: &Trips, scenario: &Scenario, end_s: f64) -> Vehi
         target: group.target.name(),
         depart,
         arrival,
-        duration: Some(arrival.unwrap_or(end_s) - depart),
+        duration: Some(milliseconds(ended.unwrap_or(end_s) - depart)),
         timeloss: trip.map(|t| t.time_loss_s),
         distance: Some(record.distance_m),
         stats: record.stats,
         odometer_gap: record.odometer_gap_m,
         collisions: u64::from(record.collisions),
-        reason: record.reason,
+        reason,
     }
 }
 
+/// SUMO's times are whole milliseconds; sums of steps are that but for rounding.
+fn milliseconds(time_s: f64) -> f64 {
+    (time_s * 1000.0).round() / 1000.0
+}
+
 /// What the user should be told about the traffic.
-pub fn notes(counters: &Counters) -> Vec<String> {
+fn notes(counters: &Counters) -> Vec<String> {
     let mut notes = Vec::new();
     if !counters.others.is_empty() {
         let list: Vec<String> = counters.others.iter().map(|(class, count)| format!("{count} {class}")).collect();

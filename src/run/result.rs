@@ -2,7 +2,7 @@
 
 use super::error::RunError;
 use super::manifest::{Input, Manifest};
-use super::outcome::{self, Outcome};
+use super::outcome::Outcome;
 use super::profile::Profile;
 use super::recorder::Recorder;
 use super::result_dir::{ResultDir, SUMMARY};
@@ -14,6 +14,7 @@ use crate::output::OutputError;
 use crate::scenario::Scenario;
 use crate::sumo_files::{SumoCommand, sumo_arguments};
 use std::path::{Path, PathBuf};
+use std::process::ExitStatus;
 use std::time::Instant;
 
 /// A result, also on disk.
@@ -60,6 +61,8 @@ pub(super) struct ResultWriter {
     pub recorder: Option<Recorder>,
     /// What the user should be told.
     pub notes: Vec<String>,
+    /// True once the SUMO that was started here has ended, and its outputs are there to be read.
+    pub sumo_has_ended: bool,
     command: SumoCommand,
     started: Instant,
 }
@@ -75,7 +78,7 @@ impl ResultWriter {
         manifest.notes = scenario.notes.clone();
         dir.write_manifest(&manifest)?;
         let (scenario, started) = (scenario.clone(), Instant::now());
-        Ok(Self { scenario, dir, manifest, command, recorder: None, notes: Vec::new(), started })
+        Ok(Self { scenario, dir, manifest, command, recorder: None, notes: Vec::new(), sumo_has_ended: false, started })
     }
 
     /// The arguments for SUMO, noted in the manifest with its path.
@@ -84,6 +87,15 @@ impl ResultWriter {
         self.manifest.sumo_command = words.collect();
         self.dir.write_manifest(&self.manifest)?;
         Ok(self.command.arguments.clone())
+    }
+
+    /// SUMO has ended: what it has written can be read.
+    ///
+    /// # Errors
+    /// [`RunError::SumoFailed`] if it has not ended well.
+    pub fn sumo_ended(&mut self, status: ExitStatus) -> Result<(), RunError> {
+        self.sumo_has_ended = true;
+        if status.success() { Ok(()) } else { Err(RunError::SumoFailed(status)) }
     }
 
     /// Nothing was computed: the manifest says why.
@@ -123,15 +135,19 @@ impl ResultWriter {
         incomplete: Option<String>,
     ) -> Result<RunResult, RunError> {
         let recorder = self.recorder.take().ok_or(RunError::Ended)?;
-        self.notes.extend(outcome::notes(&records.counters));
+        let own_sumo = self.sumo_has_ended.then_some(&self.command);
+        let mut outcome = Outcome::new(&self.scenario, records, time_s, own_sumo, incomplete.is_some());
+        self.notes.append(&mut outcome.notes);
         self.manifest.notes.extend(self.notes.iter().cloned());
-        let own_sumo = self.scenario.sumo.connect.is_none().then_some(&self.command);
-        let mut outcome = Outcome::new(&self.scenario, records, time_s, own_sumo, incomplete.is_some())?;
         let times_s = [time_s - begin_s, self.started.elapsed().as_secs_f64()];
         let summary = Summary::new(&outcome.rows, outcome.counts, outcome.totals, times_s);
         let tables = recorder.finish(&self.dir, &self.scenario, &mut outcome);
         self.dir.write(SUMMARY, &summary)?;
         tables?;
+        if let (None, Some(broken)) = (&incomplete, outcome.broken) {
+            self.dir.finish(&mut self.manifest, Some(broken.clone()))?;
+            return Err(RunError::Outputs(broken));
+        }
         self.dir.finish(&mut self.manifest, incomplete)?;
         Ok(RunResult {
             dir: self.dir.path().to_owned(),

@@ -20,6 +20,8 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_secs(600);
 /// How long SUMO may take to complete its outputs.
 const LAST_OUTPUTS: Duration = Duration::from_secs(120);
+/// How long a SUMO with other clients may take to end, if they have left it too.
+const OTHERS: Duration = Duration::from_secs(2);
 /// How long to look for a SUMO that is said to run already.
 const REACH: Duration = Duration::from_secs(10);
 /// A configuration without an end runs this long if nobody ever arrives \[s\].
@@ -43,7 +45,7 @@ pub struct SessionOptions {
 enum End {
     /// Its end has come.
     Time,
-    /// No vehicle is on the road or still to come.
+    /// There is no end, and no vehicle is on the road or still to come after those that were.
     Empty,
     /// There is no end, and nobody has arrived in [`ENDLESS_S`].
     Endless,
@@ -121,8 +123,9 @@ impl Session {
         if self.end_s.is_some_and(|end_s| time_s > end_s - 0.5 * self.world.step_s()) {
             return Some(End::Time);
         }
-        // SUMO counts vehicles that are on the road or still to come; with none left there is nothing to wait for.
-        if self.world.expected() == 0 && (self.end_s.is_none() || driven_s > 0.0) {
+        // SUMO counts vehicles that are on the road or still to come. Calibrators and other clients bring more of them.
+        let departed = self.world.records().counters.departed > 0;
+        if self.end_s.is_none() && self.world.expected() == 0 && departed {
             return Some(End::Empty);
         }
         let endless = self.end_s.is_none() && self.world.records().counters.arrived == 0 && driven_s >= ENDLESS_S;
@@ -162,10 +165,22 @@ impl Session {
         let time_s = world.time_s();
         let (records, left) = world.close().await;
         let ended = match process {
-            Some(process) => process.shut_down(LAST_OUTPUTS).await.map(drop),
+            Some(process) if result.scenario.sumo.num_clients > 1 => {
+                let others = process.leave(OTHERS).await;
+                if others.is_none() {
+                    result
+                        .notes
+                        .push("SUMO goes on for its other clients; its own outputs are not there yet".to_owned());
+                }
+                others.map_or(Ok(()), |status| result.sumo_ended(status))
+            }
+            Some(process) => match process.shut_down(LAST_OUTPUTS).await {
+                Ok(status) => result.sumo_ended(status),
+                Err(error) => Err(error.into()),
+            },
             None => Ok(()),
         };
-        match left.map_err(RunError::from).and(ended.map_err(RunError::from)) {
+        match left.map_err(RunError::from).and(ended) {
             Ok(()) => Ok(RunResult { profile, ..result.write(records, [begin_s, time_s], incomplete)? }),
             Err(source) => Err(result.break_off(records, [begin_s, time_s], source)),
         }
@@ -173,7 +188,7 @@ impl Session {
 
     /// Leaves SUMO as it is, and writes what was computed until `error` happened.
     pub(super) fn break_off(&mut self, error: RunError) -> RunError {
-        self.process = None;
+        self.result.sumo_has_ended = self.process.take().is_some();
         let times_s = [self.begin_s, self.world.time_s()];
         self.result.break_off(self.world.abandon(), times_s, error)
     }

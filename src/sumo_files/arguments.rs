@@ -161,15 +161,17 @@ impl Line {
         }
     }
 
-    /// Where SUMO writes the file of an option in the end: the user's name and prefix count.
+    /// Where SUMO writes the file of an option in the end: the user's name, prefix and suffix count.
     fn written(&self, option: &str, ours: PathBuf) -> PathBuf {
         let path = match self.given.get(option) {
             Some(value) => absolute(Path::new(""), Path::new(value)),
             None => ours,
         };
-        match (self.given.get("output-prefix"), path.file_name()) {
-            (Some(prefix), Some(name)) => path.with_file_name(format!("{prefix}{}", name.to_string_lossy())),
-            _ => path,
-        }
+        let Some(name) = path.file_name().map(|name| name.to_string_lossy().into_owned()) else { return path };
+        let affix = |option: &str| self.given.get(option).map_or("", String::as_str);
+        // SUMO puts the suffix before the last dot, and before .xml.gz and its like as a whole.
+        let dot = ["gz", "zst"].iter().find_map(|z| name.strip_suffix(&format!(".{z}"))).unwrap_or(&name).rfind('.');
+        let (stem, ending) = name.split_at(dot.unwrap_or(name.len()));
+        path.with_file_name(format!("{}{stem}{}{ending}", affix("output-prefix"), affix("output-suffix")))
     }
 }

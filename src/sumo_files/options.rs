@@ -74,6 +74,9 @@ pub(super) fn list(value: &str) -> impl Iterator<Item = &str> {
 
 /// A time as SUMO writes it, in seconds or as `[DAYS:]HOURS:MINUTES:SECONDS` \[s\].
 pub(super) fn seconds(value: &str) -> Option<f64> {
+    if let Some(positive) = value.strip_prefix('-') {
+        return seconds(positive).map(|time_s| -time_s);
+    }
     let parts: Vec<f64> = value.split(':').map(|part| part.trim().parse().ok()).collect::<Option<_>>()?;
     match parts[..] {
         [seconds] => Some(seconds),
@@ -146,8 +149,8 @@ mod tests {
     #[test]
     fn times_are_read_as_sumo_writes_them() {
         assert_eq!(
-            ["90.5", "0:05:00", "1:00:00:01", "-1", "x", "1:2"].map(seconds),
-            [Some(90.5), Some(300.0), Some(86401.0), Some(-1.0), None, None]
+            ["90.5", "0:05:00", "1:00:00:01", "-1", "-00:00:01", "x", "1:2"].map(seconds),
+            [Some(90.5), Some(300.0), Some(86401.0), Some(-1.0), Some(-1.0), None, None]
         );
     }
 }

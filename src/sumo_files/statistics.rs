@@ -2,8 +2,7 @@
 //! (<https://sumo.dlr.de/docs/Simulation/Output/StatisticOutput.html>), SUMO 1.15 to 1.28.
 
 use super::error::SumoFileError;
-use super::xml::Xml;
-use std::ops::ControlFlow;
+use super::records;
 use std::path::Path;
 
 /// SUMO's own counts at the end of a simulation.
@@ -33,13 +32,9 @@ impl SumoStatistics {
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let mut statistics = Self::default();
         let mut found = 0;
-        let mut xml = Xml::open(path)?;
-        xml.each(|element| {
-            let count = |name| {
-                let value = element.number(name)?;
-                value.map(|x| x as u64).ok_or_else(|| format!("no {name} in {}", element.name()))
-            };
-            match element.name() {
+        records::each(path, &["vehicles", "teleports", "safety"], |element, record| {
+            let count = |name| record.number(name).map(|x| x as u64);
+            match element {
                 "vehicles" => {
                     statistics.loaded = count("loaded")?;
                     statistics.inserted = count("inserted")?;
@@ -47,17 +42,17 @@ impl SumoStatistics {
                     statistics.waiting = count("waiting")?;
                 }
                 "teleports" => statistics.teleports = count("total")?,
-                "safety" => {
+                _ => {
                     statistics.collisions = count("collisions")?;
                     statistics.emergency_stops = count("emergencyStops")?;
                 }
-                _ => return Ok(ControlFlow::Continue(())),
             }
             found += 1;
-            Ok(ControlFlow::Continue(()))
+            Ok(())
         })?;
         if found < 3 {
-            return Err(xml.error("vehicles, teleports or safety is missing".to_owned()));
+            let what = "vehicles, teleports or safety is missing".to_owned();
+            return Err(SumoFileError::Content { path: path.to_owned(), line: 1, what });
         }
         Ok(statistics)
     }

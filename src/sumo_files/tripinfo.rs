@@ -2,9 +2,8 @@
 //! (<https://sumo.dlr.de/docs/Simulation/Output/TripInfo.html>), SUMO 1.15 to 1.28.
 
 use super::error::SumoFileError;
-use super::xml::{Element, Xml};
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
+use super::records::{self, Record};
+use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 
 /// One trip as SUMO tells it.
@@ -16,6 +15,8 @@ pub struct TripInfo {
     pub depart_s: f64,
     /// When it arrived; `None` if it was still under way or was taken out before its end \[s\].
     pub arrival_s: Option<f64>,
+    /// By whom it was taken out before its end: `calibrator`, `collision`, `teleport`, `traci`, ...
+    pub taken_out: Option<String>,
     /// Time since departure, up to arrival or to the end of the simulation \[s\].
     pub duration_s: f64,
     /// SUMO's time loss \[s\].
@@ -27,8 +28,8 @@ pub struct TripInfo {
 /// All trips of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trips {
-    /// The trips by vehicle.
-    pub by_id: BTreeMap<String, TripInfo>,
+    /// The trips by vehicle, in the order of the file: an id may be used again once its vehicle has left.
+    pub by_id: BTreeMap<String, VecDeque<TripInfo>>,
     /// False if the file breaks off, because SUMO was killed: then the last trips are missing.
     pub whole: bool,
 }
@@ -40,38 +41,39 @@ impl Trips {
     /// [`SumoFileError::Unreadable`] if it cannot be read, [`SumoFileError::Content`] with the place if it is not what SUMO writes.
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let mut trips = Self::default();
-        let mut xml = Xml::open(path)?;
-        xml.each(|element| {
-            if element.name() == "tripinfo" {
-                let (id, trip) = trip(element)?;
-                trips.by_id.insert(id, trip);
-            }
-            Ok(ControlFlow::Continue(()))
+        trips.whole = records::each(path, &["tripinfo"], |_, record| {
+            let (id, trip) = trip(record)?;
+            trips.by_id.entry(id).or_default().push_back(trip);
+            Ok(())
         })?;
-        trips.whole = xml.is_whole();
         Ok(trips)
+    }
+
+    /// All trips.
+    pub fn all(&self) -> impl Iterator<Item = &TripInfo> {
+        self.by_id.values().flatten()
     }
 
     /// Vehicles that arrived, and their mean time loss \[s\] if there are any.
     pub fn arrivals(&self) -> (u64, Option<f64>) {
-        let losses = || self.by_id.values().filter(|t| t.arrival_s.is_some()).map(|t| t.time_loss_s);
+        let losses = || self.all().filter(|t| t.arrival_s.is_some()).map(|t| t.time_loss_s);
         let count = losses().count();
         (count as u64, (count > 0).then(|| losses().sum::<f64>() / count as f64))
     }
 }
 
 /// SUMO marks an unfinished trip by arrival −1 and one that was taken out by `vaporized`.
-fn trip(element: &Element<'_>) -> Result<(String, TripInfo), String> {
-    let number = |name| element.number(name)?.ok_or_else(|| format!("tripinfo without {name}"));
-    let vaporized = element.attribute("vaporized").is_some_and(|v| !v.is_empty());
-    let arrival = number("arrival")?;
+fn trip(record: &Record<'_>) -> Result<(String, TripInfo), String> {
+    let arrival = record.number("arrival")?;
+    let taken_out = record.text("vaporized");
     let trip = TripInfo {
-        vehicle_type: element.attribute("vType").unwrap_or_default(),
-        depart_s: number("depart")?,
-        arrival_s: (arrival >= 0.0 && !vaporized).then_some(arrival),
-        duration_s: number("duration")?,
-        time_loss_s: number("timeLoss")?,
-        route_length_m: number("routeLength")?,
+        vehicle_type: record.text("vType").unwrap_or_default(),
+        depart_s: record.number("depart")?,
+        arrival_s: (arrival >= 0.0 && taken_out.is_none()).then_some(arrival),
+        taken_out,
+        duration_s: record.number("duration")?,
+        time_loss_s: record.number("timeLoss")?,
+        route_length_m: record.number("routeLength")?,
     };
-    Ok((element.attribute("id").ok_or("tripinfo without id")?, trip))
+    Ok((record.text("id").ok_or("no id")?, trip))
 }

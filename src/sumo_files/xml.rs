@@ -48,12 +48,6 @@ impl Element<'_> {
         attribute(self.tag, name)
     }
 
-    /// An attribute that is a number, if it is there.
-    pub fn number(&self, name: &str) -> Result<Option<f64>, String> {
-        let Some(value) = self.attribute(name) else { return Ok(None) };
-        value.parse().map(Some).map_err(|_| format!("{name}=\"{value}\" is not a number"))
-    }
-
     /// Whether this is a parameter of this key.
     pub fn is_param(&self, key: &str) -> bool {
         self.name() == "param" && self.attribute("key").as_deref() == Some(key)

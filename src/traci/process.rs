@@ -138,6 +138,16 @@ impl SumoProcess {
         }
     }
 
+    /// Waits up to `grace` for SUMO to end because all its clients have left, and otherwise leaves it to those that have not.
+    pub async fn leave(mut self, grace: Duration) -> Option<ExitStatus> {
+        let ended = timeout(grace, self.child.wait()).await.ok().and_then(Result::ok);
+        if ended.is_none() {
+            // What is dropped is killed.
+            std::mem::forget(self.child);
+        }
+        ended
+    }
+
     fn died(&self, status: Option<ExitStatus>) -> Error {
         let status = status.map_or("exit code unknown".to_owned(), |status| status.to_string());
         Error::Died { status, report: last_words(&self.log) }

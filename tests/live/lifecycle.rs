@@ -1,7 +1,8 @@
 //! Vehicles come and go in all the ways that SUMO knows, and every departure has exactly one row.
 
 use crate::support::{
-    CAR, NEW, OLD, Outcome, Row, configuration, network, number, own, plain_sumo, repository, run, straight_road,
+    CAR, NEW, OLD, Outcome, Row, Running, configuration, json, network, number, own, plain_sumo, repository, run,
+    run_command, straight_road, table,
 };
 use std::fs;
 
@@ -274,5 +275,69 @@ fn trace_and_sample_agree() {
         let driven_m = number(after, "distance") - number(before, "distance");
         let mean_m = 0.5 * (number(after, "speed") + number(before, "speed")) * step_s;
         assert!((driven_m - mean_m).abs() < 0.02, "distance is the integral of speed at {} s", after["time"]);
+    }
+}
+
+/// Rows and totals are the same whatever a user lets SUMO write, and in which format.
+#[test]
+fn the_format_of_sumos_outputs_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let trips =
+        (0..8).map(|i| format!(r#"<vehicle id="v{i}" type="car" depart="{}"><route edges="ab bc"/></vehicle>"#, 5 * i));
+    let config = straight_road(folder.path(), &format!("{CAR}{}", trips.collect::<String>()));
+    let plain = run(NEW, &config, &["--end", "120"]);
+    assert!(plain.sumo("arrived") >= 1.0 && plain.sumo("arrived") < 8.0, "some are still under way");
+    let ways: [&[&str]; 5] = [
+        &["--tripinfo-output", "t.xml.gz", "--output-prefix", "p_", "--output-suffix", "_s"],
+        &["--tripinfo-output", "t.csv", "--statistic-output", "s.csv"],
+        &["--tripinfo-output", "t.parquet", "--statistic-output", "s.parquet"],
+        &["--human-readable-time", "true"],
+        &["--output.format", "csv"],
+    ];
+    for way in ways {
+        let mut command = run_command(NEW, &config, &folder.path().join("r"), &["--force", "--end", "120", "--"]);
+        command.args(way).current_dir(folder.path());
+        let ended = Running::start(command).wait();
+        assert_eq!(ended.code, Some(0), "{way:?}: {}", ended.stderr);
+        assert!(!ended.stderr.contains("is missing"), "{way:?}: {}", ended.stderr);
+        let [ours, theirs] = [&folder.path().join("r"), &plain.dir].map(|dir| table(&dir.join("vehicles.csv")));
+        assert_eq!(ours, theirs, "{way:?}");
+        let [ours, theirs] = [&folder.path().join("r"), &plain.dir].map(|dir| json(&dir.join("summary.json")));
+        assert_eq!(ours["sumo"], theirs["sumo"], "{way:?}");
+    }
+    let thinned = run(NEW, &config, &["--end", "120", "--", "--device.tripinfo.probability", "0"]);
+    assert_eq!(thinned.sumo("arrived"), plain.sumo("arrived"));
+    assert!(thinned.ended.stderr.contains("tripinfo holds 0 of 8 vehicles"), "{}", thinned.ended.stderr);
+}
+
+/// An id may be used again once its vehicle has left; each use has its row.
+#[test]
+fn an_id_that_is_used_twice_has_two_rows() {
+    let used = |id: &str, depart: u32| {
+        format!(r#"<vehicle id="{id}" type="car" depart="{depart}"><route edges="bc"/></vehicle>"#)
+    };
+    let demand = [used("x", 0), used("y", 90), used("x", 170)].concat();
+    for version in [NEW, OLD] {
+        let result = on_the_road(version, &demand, &["--", "--route-steps", "50"]);
+        let rows = result.vehicles();
+        let departs: Vec<(&str, f64)> = rows.iter().map(|row| (row["id"].as_str(), number(row, "depart"))).collect();
+        assert_eq!(departs, [("x", 0.0), ("y", 90.0), ("x", 170.0)], "SUMO {version}");
+        assert!(rows.iter().all(|row| arrived(row) && number(row, "duration") < 80.0), "SUMO {version}: {rows:?}");
+        assert_eq!(result.sumo("arrived"), 3.0, "SUMO {version}");
+    }
+}
+
+/// With an end set a run goes on to it, and without one to the last vehicle, also where calibrators bring all of them.
+#[test]
+fn a_moment_without_vehicles_ends_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = straight_road(folder.path(), "");
+    let calibrator = r#"<additional>CAR<route id="r" edges="ab bc"/><calibrator id="c" edge="ab" pos="10" period="30"><flow begin="40" end="100" vehsPerHour="300" type="car" route="r"/></calibrator></additional>"#;
+    fs::write(folder.path().join("c.add.xml"), calibrator.replace("CAR", CAR)).unwrap();
+    let add = folder.path().join("c.add.xml");
+    for end in [&["--end", "300"][..], &[]] {
+        let result = run(NEW, &config, &[end, &["--", "-a", add.to_str().unwrap()]].concat());
+        let rows = result.vehicles();
+        assert!(rows.len() >= 4 && rows.iter().all(arrived), "{end:?}: {rows:?}");
     }
 }
