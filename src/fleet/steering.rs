@@ -6,6 +6,7 @@
 
 use crate::columns::{Slots, columns};
 use crate::lanes::{LANES, Lanes, vectorised};
+use crate::plant::body::GRAVITY_MPS2;
 use crate::trig::{Polynomial, Trig};
 
 /// Length constant of the curvature filter \[m\].
@@ -14,7 +15,6 @@ pub const SMOOTHING_M: f64 = 3.0;
 pub const STRAIGHT_BELOW_MPS: f64 = 0.5;
 /// Share of μg that the road may ask for laterally.
 pub const LATERAL_SHARE: f64 = 0.5;
-const GRAVITY_MPS2: f64 = 9.81;
 
 columns! {
     /// The road that each slot of a block follows.
