@@ -42,6 +42,9 @@ pub(super) fn each(
 ) -> Result<bool, SumoFileError> {
     let mut magic = [0; 4];
     let begins = File::open(path).map_err(unreadable(path))?.read_exact(&mut magic);
+    if path.metadata().is_ok_and(|file| file.len() == 0) {
+        return Ok(false);
+    }
     if begins.is_ok() && &magic == b"PAR1" {
         return columns(path, elements, parquet_rows(path).map_err(|e| content(path, 1, e.to_string()))?, &mut visit);
     }
