@@ -134,6 +134,7 @@ impl Admission {
             Err(NoAnswer::Gone) => {}
         })
         .await
+        .map(drop)
     }
 
     /// Decides on all vehicles that have departed, also those that were not asked about yet.
@@ -164,6 +165,7 @@ impl Admission {
         let types = &mut self.types;
         sumo.answers(asked, |TypeQuestion(id), answer| types.extend(answer.ok().flatten().map(|facts| (id, facts))))
             .await
+            .map(drop)
     }
 
     fn judge(&mut self, departed: Departed, counters: &mut Counters) -> Result<Option<Newcomer>, CosimError> {

@@ -41,9 +41,14 @@ impl Readings {
         step.is_multiple_of(self.every)
     }
 
-    /// Asks about every ego, or about none. SUMO looks the values up while the bodies drive to the same instant.
-    pub fn ask<S: Sumo>(due: bool, sumo: &mut S, egos: &EgoTable) -> Result<S::Asked<ReadingQuestion>, CosimError> {
-        sumo.ask(egos.iter().filter(|_| due).map(|ego| (&ego.object, ReadingQuestion(ego.slot))))
+    /// Asks about every ego, or about none, in the memory of the last questions. SUMO looks the values up while the bodies drive to the same instant.
+    pub fn ask<S: Sumo>(
+        due: bool,
+        room: S::Asked<ReadingQuestion>,
+        sumo: &mut S,
+        egos: &EgoTable,
+    ) -> Result<S::Asked<ReadingQuestion>, CosimError> {
+        sumo.ask_in(room, egos.iter().filter(|_| due).map(|ego| (&ego.object, ReadingQuestion(ego.slot))))
     }
 
     /// Takes the answers: odometers are compared, and what a body did since the last reading goes to the road that it is
@@ -54,7 +59,7 @@ impl Readings {
         egos: &mut EgoTable,
         fleet: &mut Fleet,
         roads: &mut Roads,
-    ) -> Result<(), CosimError> {
+    ) -> Result<S::Asked<ReadingQuestion>, CosimError> {
         let note = |ReadingQuestion(slot): ReadingQuestion, answer: Result<Reading<'_>, NoAnswer>| {
             let (Ok(reading), Some(ego)) = (answer, egos.get_mut(slot)) else { return };
             let (block, lane) = (fleet.block_mut(slot), slot.lane());

@@ -47,7 +47,7 @@ pub trait Sumo {
     /// A step that SUMO is making.
     type Step;
     /// Questions that SUMO is answering. Only [`Sumo::answers`] of the same type of question takes them.
-    type Asked<Q: Question>;
+    type Asked<Q: Question>: Default;
 
     /// Reads where SUMO is, and lets it report events from now on.
     fn join(&mut self) -> impl Future<Output = Result<Joined, CosimError>>;
@@ -78,14 +78,23 @@ pub trait Sumo {
     fn ask<'o, Q: Question>(
         &mut self,
         questions: impl Iterator<Item = (&'o Object, Q)>,
+    ) -> Result<Self::Asked<Q>, CosimError> {
+        self.ask_in(Self::Asked::default(), questions)
+    }
+
+    /// The same in the memory of questions that are answered: steps in which nobody comes or goes allocate nothing.
+    fn ask_in<'o, Q: Question>(
+        &mut self,
+        room: Self::Asked<Q>,
+        questions: impl Iterator<Item = (&'o Object, Q)>,
     ) -> Result<Self::Asked<Q>, CosimError>;
 
-    /// Waits for the answers and hands them to `each`, in the order of the questions.
+    /// Waits for the answers and hands them to `each`, in the order of the questions. Gives the memory back.
     fn answers<Q: Question>(
         &mut self,
         asked: Self::Asked<Q>,
         each: impl for<'a> FnMut(Q, Result<Q::Answer<'a>, NoAnswer>),
-    ) -> impl Future<Output = Result<(), CosimError>>;
+    ) -> impl Future<Output = Result<Self::Asked<Q>, CosimError>>;
 
     /// Hands over what was told, and ends all reports. SUMO could go on without us.
     fn leave(&mut self) -> impl Future<Output = Result<(), CosimError>>;

@@ -58,10 +58,16 @@ impl TraciLink {
     /// Sends what was told. A command that SUMO declines is about a vehicle that has left, and the next answer says so.
     fn send_told(&mut self) -> Result<(), CosimError> {
         if !self.told.is_empty() {
-            drop(self.client.queue(&self.told)?);
+            self.client.queue_unheard(&self.told)?;
             self.told.clear();
         }
         Ok(())
+    }
+}
+
+impl<Q> Default for Asked<Q> {
+    fn default() -> Self {
+        Self { questions: Vec::new(), ticket: None }
     }
 }
 
@@ -162,8 +168,9 @@ impl Sumo for TraciLink {
         Ok(())
     }
 
-    fn ask<'o, Q: Question>(
+    fn ask_in<'o, Q: Question>(
         &mut self,
+        mut room: Asked<Q>,
         questions: impl Iterator<Item = (&'o Object, Q)>,
     ) -> Result<Asked<Q>, CosimError> {
         let subscribed = Q::EVERY_STEP && self.subscriptions.is_some();
@@ -179,21 +186,21 @@ impl Sumo for TraciLink {
             let source = writer.failed.map_or(Source::Reply(first), |error| Source::Nowhere(Box::new(error)));
             (question, source)
         };
-        let questions = questions.map(with_source).collect();
-        let ticket = if self.message.is_empty() { None } else { Some(self.client.queue(&self.message)?) };
-        Ok(Asked { questions, ticket })
+        room.questions.extend(questions.map(with_source));
+        room.ticket = if self.message.is_empty() { None } else { Some(self.client.queue(&self.message)?) };
+        Ok(room)
     }
 
     async fn answers<Q: Question>(
         &mut self,
-        asked: Asked<Q>,
+        mut asked: Asked<Q>,
         mut each: impl for<'a> FnMut(Q, Result<Q::Answer<'a>, NoAnswer>),
-    ) -> Result<(), CosimError> {
-        let reply = match asked.ticket {
+    ) -> Result<Asked<Q>, CosimError> {
+        let reply = match asked.ticket.take() {
             Some(ticket) => Some(self.client.receive(ticket).await?),
             None => None,
         };
-        for (question, source) in asked.questions {
+        for (question, source) in asked.questions.drain(..) {
             let answer = match source {
                 Source::Reply(first) => reply
                     .filter(|reply| reply.refusal(first).is_none())
@@ -210,7 +217,7 @@ impl Sumo for TraciLink {
             };
             each(question, answer.ok_or(NoAnswer::Gone));
         }
-        Ok(())
+        Ok(asked)
     }
 
     async fn leave(&mut self) -> Result<(), CosimError> {

@@ -44,7 +44,7 @@ pub struct WorldSetup {
 }
 
 /// Fleet and SUMO, stepping together.
-pub struct World<S = TraciLink> {
+pub struct World<S: Sumo = TraciLink> {
     sumo: S,
     fleet: Fleet,
     egos: EgoTable,
@@ -53,6 +53,10 @@ pub struct World<S = TraciLink> {
     body_leads: BodyLeads,
     readings: Readings,
     records: Records,
+    /// The chunks of the last step, whose memory the next one uses.
+    chunks: Vec<Chunk<S>>,
+    /// The same for the readings.
+    readings_room: S::Asked<ReadingQuestion>,
     /// Egos that got a body since [`World::take_admitted`].
     admitted: Vec<Arc<str>>,
     /// Egos that SUMO has not been told of yet.
@@ -103,6 +107,8 @@ impl<S: Sumo> World<S> {
             body_leads,
             readings: Readings::every_second(step_s),
             records: Records::default(),
+            chunks: Vec::new(),
+            readings_room: Default::default(),
             admitted: Vec::new(),
             newcomers: Vec::new(),
             lost: Vec::new(),
@@ -140,13 +146,19 @@ impl<S: Sumo> World<S> {
         self.settle_departures_and_arrivals();
         self.settle_teleports();
         let departed = self.admission.ask(&mut self.sumo, &mut self.records.counters)?;
-        let readings = Readings::ask(self.readings.are_due(self.steps), &mut self.sumo, &self.egos)?;
+        let readings = Readings::ask(
+            self.readings.are_due(self.steps),
+            std::mem::take(&mut self.readings_room),
+            &mut self.sumo,
+            &self.egos,
+        )?;
         for (place, chunk) in chunks.iter_mut().enumerate() {
             self.hear(chunk).await?;
             self.end_lost();
             self.drive(place, &chunk.members);
             self.tell(&chunk.members).await?;
         }
+        self.chunks = chunks;
         self.admission.hear(&mut self.sumo, departed, &mut self.records.counters).await?;
         self.hear_readings(readings).await
     }
@@ -220,11 +232,12 @@ impl<S: Sumo> World<S> {
 
     /// Asks about every ego, chunk by chunk.
     fn ask_egos(&mut self) -> Result<Vec<Chunk<S>>, CosimError> {
-        let mut chunks: Vec<Chunk<S>> = Vec::new();
+        let mut chunks = std::mem::take(&mut self.chunks);
+        chunks.iter_mut().for_each(|chunk| chunk.members.clear());
         for slot in self.egos.slots() {
             let place = slot.block() / BLOCKS_PER_CHUNK;
             if place >= chunks.len() {
-                chunks.resize_with(place + 1, || Chunk { members: Vec::new(), asked: None });
+                chunks.resize_with(place + 1, Chunk::default);
             }
             chunks[place].members.push(slot);
         }
@@ -232,23 +245,28 @@ impl<S: Sumo> World<S> {
             let egos = chunk.members.iter().filter_map(|slot| self.egos.get(*slot));
             let questions =
                 egos.map(|ego| (&ego.object, EgoQuestion::now(ego, self.fleet.block(ego.slot), self.grade)));
-            chunk.asked = Some(self.sumo.ask(questions)?);
+            chunk.asked = self.sumo.ask_in(std::mem::take(&mut chunk.asked), questions)?;
+            chunk.is_heard = false;
         }
         Ok(chunks)
     }
 
     /// Takes what SUMO shows of a chunk, unless that was done before.
     async fn hear(&mut self, chunk: &mut Chunk<S>) -> Result<(), CosimError> {
-        let Some(asked) = chunk.asked.take() else { return Ok(()) };
+        if std::mem::replace(&mut chunk.is_heard, true) {
+            return Ok(());
+        }
         let Self { egos, fleet, lost, body_leads, step_s, .. } = self;
-        self.sumo
-            .answers(asked, |EgoQuestion { slot, .. }, answer| match (answer, egos.get_mut(slot)) {
+        let answers = self.sumo.answers(std::mem::take(&mut chunk.asked), |EgoQuestion { slot, .. }, answer| {
+            match (answer, egos.get_mut(slot)) {
                 (Ok(seen), Some(ego)) => seen.apply(ego, fleet.block_mut(slot), &mut body_leads.limits, *step_s),
                 (Err(NoAnswer::Gone), Some(_)) => lost.push(slot),
                 // Its record has ended.
                 (_, None) | (Err(NoAnswer::Unaskable(_)), _) => {}
-            })
-            .await
+            }
+        });
+        chunk.asked = answers.await?;
+        Ok(())
     }
 
     /// Counts departures, arrivals and teleports, and ends the records of egos that arrived.
@@ -322,7 +340,8 @@ impl<S: Sumo> World<S> {
 
     async fn hear_readings(&mut self, asked: S::Asked<ReadingQuestion>) -> Result<(), CosimError> {
         let Self { sumo, egos, fleet, records, .. } = self;
-        Readings::hear(asked, sumo, egos, fleet, &mut records.roads).await
+        self.readings_room = Readings::hear(asked, sumo, egos, fleet, &mut records.roads).await?;
+        Ok(())
     }
 
     fn end(&mut self, slot: Slot, reason: Reason) {
@@ -345,7 +364,7 @@ impl<S: Sumo> World<S> {
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
         // Who departed in the last step has a record too, without samples.
         self.admit_newcomers().await?;
-        let readings = Readings::ask(true, &mut self.sumo, &self.egos)?;
+        let readings = Readings::ask(true, Default::default(), &mut self.sumo, &self.egos)?;
         self.hear_readings(readings).await?;
         for ego in self.egos.iter() {
             if let Some(sigma) = ego.imperfection_before {
@@ -445,5 +464,12 @@ impl<S: Sumo> World<S> {
 /// The egos of neighbouring blocks. While SUMO looks up the values of one chunk, the bodies of the chunk before it drive.
 struct Chunk<S: Sumo> {
     members: Vec<Slot>,
-    asked: Option<S::Asked<EgoQuestion>>,
+    asked: S::Asked<EgoQuestion>,
+    is_heard: bool,
+}
+
+impl<S: Sumo> Default for Chunk<S> {
+    fn default() -> Self {
+        Self { members: Vec::new(), asked: Default::default(), is_heard: true }
+    }
 }

@@ -70,6 +70,8 @@ pub struct Client {
     current: Range<usize>,
     /// The messages from the first one that is not done, in the order of sending, and the commands of all of them.
     pending: VecDeque<Pending>,
+    /// Marks of tickets that nobody knows any more, to be used again.
+    spare: Vec<Arc<()>>,
     commands: VecDeque<Expected>,
     index: Index,
     single: Batch,
@@ -121,6 +123,7 @@ impl Client {
             divided: 0,
             current: 0..0,
             pending: VecDeque::new(),
+            spare: Vec::new(),
             commands: VecDeque::new(),
             index: Index::default(),
             single: Batch::new(),
@@ -187,6 +190,20 @@ impl Client {
     /// # Errors
     /// [`Error::Empty`], [`Error::Finished`].
     pub fn queue(&mut self, batch: &Batch) -> Result<Ticket, Error> {
+        let ticket = Ticket(self.spare.pop().unwrap_or_default());
+        self.put(batch, Arc::downgrade(&ticket.0))?;
+        Ok(ticket)
+    }
+
+    /// The same where nobody will ask for the answer.
+    ///
+    /// # Errors
+    /// As [`Client::queue`].
+    pub fn queue_unheard(&mut self, batch: &Batch) -> Result<(), Error> {
+        self.put(batch, Weak::new())
+    }
+
+    fn put(&mut self, batch: &Batch, ticket: Weak<()>) -> Result<(), Error> {
         if self.finished {
             return Err(Error::Finished);
         }
@@ -195,10 +212,8 @@ impl Client {
         }
         self.outbox.extend_from_slice(batch.bytes());
         self.commands.extend(batch.expected());
-        let ticket = Ticket(Arc::new(()));
-        let pending = Pending { ticket: Arc::downgrade(&ticket.0), commands: batch.len(), state: Answer::UnderWay };
-        self.pending.push_back(pending);
-        Ok(ticket)
+        self.pending.push_back(Pending { ticket, commands: batch.len(), state: Answer::UnderWay });
+        Ok(())
     }
 
     /// Sends the batches that wait in the queue.
@@ -249,6 +264,9 @@ impl Client {
         while let Some(Pending { commands, state: Answer::Done, .. }) = self.pending.front() {
             self.commands.drain(..commands);
             self.pending.pop_front();
+        }
+        if Arc::weak_count(&ticket.0) == 0 {
+            self.spare.push(ticket.0);
         }
         self.finished = false;
         Ok(self.index.reply(&self.inbox[self.current.clone()]))

@@ -248,21 +248,22 @@ impl Sumo for Fake {
         Ok(())
     }
 
-    fn ask<'o, Q: Question>(
+    fn ask_in<'o, Q: Question>(
         &mut self,
+        mut asked: Vec<(Arc<str>, Q)>,
         questions: impl Iterator<Item = (&'o Object, Q)>,
     ) -> Result<Vec<(Arc<str>, Q)>, CosimError> {
-        let asked: Vec<_> = questions.map(|(object, question)| (object.id.clone(), question)).collect();
+        asked.extend(questions.map(|(object, question)| (object.id.clone(), question)));
         self.asked += asked.len();
         Ok(asked)
     }
 
     async fn answers<Q: Question>(
         &mut self,
-        asked: Vec<(Arc<str>, Q)>,
+        mut asked: Vec<(Arc<str>, Q)>,
         mut each: impl for<'a> FnMut(Q, Result<Q::Answer<'a>, NoAnswer>),
-    ) -> Result<(), CosimError> {
-        for (id, question) in asked {
+    ) -> Result<Vec<(Arc<str>, Q)>, CosimError> {
+        for (id, question) in asked.drain(..) {
             let driver = self.road.get(&*id);
             let mut values = Values { id: &id, driver, gone: false };
             let answer = question.answer(&mut values);
@@ -270,7 +271,7 @@ impl Sumo for Fake {
             self.answered += 1;
             each(question, answer);
         }
-        Ok(())
+        Ok(asked)
     }
 
     async fn leave(&mut self) -> Result<(), CosimError> {
