@@ -22,6 +22,7 @@ use std::{
 use arguments::{CheckArgs, Cli, Command, CompareArgs, PaperArgs, RunArgs};
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
+use tracing::level_filters::LevelFilter;
 
 use crate::{
     compare::{RunFailed, parse_seeds, run_all, terminal_table, write_comparison},
@@ -56,10 +57,7 @@ pub fn main(catalog: &Catalog) -> ExitCode {
 }
 
 fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
-    if args.verbose {
-        let to_stderr = tracing_subscriber::fmt().with_writer(std::io::stderr).with_max_level(tracing::Level::DEBUG);
-        to_stderr.init();
-    }
+    log(args.verbose)?;
     let scenario = Scenario::load(&args.scenario.request(), catalog)?;
     if !args.quiet {
         notes(&scenario.notes);
@@ -89,6 +87,21 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
 }
 
 /// Paired runs: the same seed gives every controller the same traffic, vehicles and noise.
+/// Tells on stderr what happens inside: with `-v`, or as the variable RUST_LOG says (a level such as `debug`).
+fn log(verbose: bool) -> miette::Result<()> {
+    let wanted = std::env::var("RUST_LOG").ok().filter(|level| !level.is_empty());
+    let level = match wanted {
+        Some(level) => level
+            .parse()
+            .map_err(|_| miette::miette!("RUST_LOG: found {level}, wanted off, error, warn, info, debug or trace"))?,
+        None if verbose => LevelFilter::DEBUG,
+        None => return Ok(()),
+    };
+    let colours = std::io::stderr().is_terminal();
+    tracing_subscriber::fmt().with_writer(std::io::stderr).with_ansi(colours).with_max_level(level).init();
+    Ok(())
+}
+
 fn compare(args: &CompareArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     let seeds = parse_seeds(&args.seeds).into_diagnostic()?;
     let mut pairs = args.controllers.iter().flat_map(|c| seeds.iter().map(move |s| (c, *s)));

@@ -1,8 +1,8 @@
 //! `sumo_mfc` gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller.
 //!
-//! # Floors
-//! A module ("room") is a door file `src/control.rs` with its interior in `src/control/`. A room imports only from
-//! lower floors; `tests/tidy.rs` holds the code to it.
+//! # Layers
+//! A module is a file `src/control.rs` with its parts in `src/control/`. A module imports only from lower layers;
+//! `tests/tidy` holds the code to it.
 //! ```text
 //! 8  main                                      the program
 //! 7  cli                                       the command line, for what a catalog offers
@@ -13,10 +13,16 @@
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
 //! 1  sumo_files                                SUMO's configuration, options, demand, outputs
-//!    fleet                                     the closed loop on columns; where floor-0 rooms meet
+//!    fleet                                     the closed loop on columns; where the modules of layer 0 meet
 //! 0  plant control measurement reference traci output stats   and the common ground: columns keys lanes place registry random stopwatch table trig
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
+//!
+//! # What to use
+//! [`traci`] talks to SUMO; [`run`] runs a scenario from code, step by step or as a whole; [`offline`] drives bodies
+//! without SUMO; [`control`], [`plant`], [`mod@reference`] and [`keys!`] are for laws, bodies and targets of one's own, which
+//! [`scenario::Catalog`] takes, and [`cli`] makes a command line with them. All else is public for this project's own tests
+//! and may change in any version.
 //!
 //! # Features
 //! `cli`, the default, is the command line; `sim` is all but the command line; without features there is only [`traci`].
@@ -26,34 +32,43 @@ pub mod cli;
 #[cfg(feature = "sim")]
 mod columns;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod compare;
 #[cfg(feature = "sim")]
 pub mod control;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod cosim;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod doctor;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod fleet;
 #[cfg(feature = "sim")]
 pub mod keys;
 #[cfg(feature = "sim")]
 pub mod lanes;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod map;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod measurement;
 #[cfg(feature = "sim")]
 pub mod offline;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod output;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod paper;
 #[cfg(feature = "sim")]
 mod place;
 #[cfg(feature = "sim")]
 pub mod plant;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod random;
 #[cfg(feature = "sim")]
 pub mod reference;
@@ -64,13 +79,18 @@ pub mod run;
 #[cfg(feature = "sim")]
 pub mod scenario;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod stats;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod stopwatch;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod sumo_files;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod table;
 pub mod traci;
 #[cfg(feature = "sim")]
+#[doc(hidden)]
 pub mod trig;

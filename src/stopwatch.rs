@@ -1,4 +1,4 @@
-//! Where time goes. The only clock below the rooms that may touch clocks: it is read to be shown to people, never to
+//! Where time goes. The only clock below the modules that may touch clocks: it is read to be shown to people, never to
 //! decide anything, so no result can depend on it. Off, a lap costs one branch.
 
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! SUMO's own files: the configuration and its options, SUMO's command line, what it writes and where, who drives in the
 //! demand, and the results that SUMO leaves.
 //!
-//! The room knows nothing of scenarios: [`SumoSetup`] says how SUMO is to be started, and `scenario` fills it.
+//! The module knows nothing of scenarios: [`SumoSetup`] says how SUMO is to be started, and `scenario` fills it.
 
 mod arguments;
 mod configuration;

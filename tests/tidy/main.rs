@@ -1,4 +1,4 @@
-//! The invariants that src/lib.rs states, held against the source text: floors, who may touch sockets, files and clocks,
+//! The invariants that src/lib.rs states, held against the source text: layers, who may touch sockets, files and clocks,
 //! sizes of files and functions, and nothing in the repository that belongs to one machine only.
 
 mod circles;
@@ -10,8 +10,8 @@ use std::{
     process::Command,
 };
 
-/// The floor of every room. A room imports only from lower floors; a new room gets a line here and one in src/lib.rs.
-const FLOORS: &[(&str, u8)] = &[
+/// The layer of every module. A module imports only from lower layers; a new module gets a line here and one in src/lib.rs.
+const LAYERS: &[(&str, u8)] = &[
     ("plant", 0),
     ("control", 0),
     ("measurement", 0),
@@ -35,14 +35,14 @@ const FLOORS: &[(&str, u8)] = &[
     ("main", 8),
 ];
 
-/// Imported by every room; they import only each other.
+/// Imported by every module; they import only each other.
 const COMMON_GROUND: &[&str] =
     &["columns", "keys", "lanes", "place", "random", "registry", "stopwatch", "table", "trig"];
 
-/// Rooms or files (path below src/ without `.rs`) that may name tokio.
+/// Modules or files (path below src/ without `.rs`) that may name tokio.
 const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "doctor", "cli", "main"];
 
-/// Rooms or files that may touch files and clocks.
+/// Modules or files that may touch files and clocks.
 const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "output",
     "scenario",
@@ -64,7 +64,7 @@ const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "main",
 ];
 
-/// Rooms or files that may print.
+/// Modules or files that may print.
 const MAY_PRINT: &[&str] = &["cli", "main", "report", "compare", "paper", "sweep"];
 
 const FILE_LINES: usize = 500;
@@ -81,7 +81,7 @@ struct Source {
 }
 
 impl Source {
-    fn room(&self) -> &str {
+    fn module(&self) -> &str {
         self.name.split('/').next().unwrap_or_default()
     }
 
@@ -204,7 +204,7 @@ fn assert_none(what: &str, found: impl IntoIterator<Item = String>) {
     assert!(found.is_empty(), "{what}:\n  {}", found.join("\n  "));
 }
 
-/// The rooms that `lines` names through `crate::` (or, in the binary, `sumo_mfc::`), with the line's number.
+/// The modules that `lines` names through `crate::` (or, in the binary, `sumo_mfc::`), with the line's number.
 fn imports(lines: &[String]) -> Vec<(usize, String)> {
     let mut found = Vec::new();
     let text = lines.join("\n");
@@ -248,38 +248,36 @@ fn first_names(group: &str) -> Vec<String> {
 }
 
 #[test]
-fn law_a_room_imports_only_from_lower_floors() {
-    let floors: BTreeMap<&str, u8> = FLOORS.iter().copied().collect();
+fn law_a_module_imports_only_from_lower_layers() {
+    let layers: BTreeMap<&str, u8> = LAYERS.iter().copied().collect();
     let mut wrong = Vec::new();
     for source in sources() {
-        let room = source.room();
-        if room == "lib" {
+        let module = source.module();
+        if module == "lib" {
             continue;
         }
-        let own = floors.get(room).copied();
-        if own.is_none() && !COMMON_GROUND.contains(&room) {
-            wrong.push(format!("src/{}.rs: room {room} has no floor in tests/tidy.rs", source.name));
+        let own = layers.get(module).copied();
+        if own.is_none() && !COMMON_GROUND.contains(&module) {
+            wrong.push(format!("src/{}.rs: module {module} has no layer in tests/tidy.rs", source.name));
             continue;
         }
         for (line, other) in imports(&source.lines) {
-            let allowed = other == room
+            let allowed = other == module
                 || COMMON_GROUND.contains(&other.as_str())
-                || match (own, floors.get(other.as_str())) {
-                    (Some(own), Some(floor)) => *floor < own,
-                    // Not a room: a macro or something that lib.rs exports.
+                || match (own, layers.get(other.as_str())) {
+                    (Some(own), Some(layer)) => *layer < own,
+                    // Not a module: a macro or something that lib.rs exports.
                     (_, None) => true,
                     (None, Some(_)) => false,
                 };
             if !allowed {
-                wrong.push(format!("src/{}.rs:{line}: {room} imports {other}", source.name));
+                wrong.push(format!("src/{}.rs:{line}: {module} imports {other}", source.name));
             }
         }
     }
-    assert_none("imports from the same or a higher floor", wrong);
+    assert_none("imports from the same or a higher layer", wrong);
 }
 
-// Until the last circle of today is open.
-#[ignore = "circles are being opened"]
 #[test]
 fn law_no_files_use_each_other_in_a_circle() {
     let arrows = circles::Imports::of(&sources()).arrows();
@@ -288,10 +286,10 @@ fn law_no_files_use_each_other_in_a_circle() {
 }
 
 #[test]
-fn law_only_the_outer_rooms_name_tokio() {
+fn law_only_the_outer_modules_name_tokio() {
     let wrong = sources();
     let wrong = wrong.iter().filter(|s| !s.is_in(MAY_USE_TOKIO)).flat_map(|s| s.lines_with(&["tokio"]));
-    assert_none("tokio outside the rooms that may use it", wrong);
+    assert_none("tokio outside the modules that may use it", wrong);
 }
 
 #[test]
@@ -299,7 +297,7 @@ fn law_only_some_rooms_touch_files_and_clocks() {
     let words = ["std::fs", "fs::", "File::", "OpenOptions", "Instant", "SystemTime", "tempfile"];
     let wrong = sources();
     let wrong = wrong.iter().filter(|s| !s.is_in(MAY_TOUCH_FILES_AND_CLOCKS)).flat_map(|s| s.lines_with(&words));
-    assert_none("files or clocks outside the rooms that may use them", wrong);
+    assert_none("files or clocks outside the modules that may use them", wrong);
 }
 
 #[test]
@@ -307,7 +305,7 @@ fn law_only_the_command_line_prints() {
     let words = ["println!", "eprintln!", "print!", "eprint!", "dbg!"];
     let wrong = sources();
     let wrong = wrong.iter().filter(|s| !s.is_in(MAY_PRINT)).flat_map(|s| s.lines_with(&words));
-    assert_none("printing outside the rooms that may", wrong);
+    assert_none("printing outside the modules that may", wrong);
 }
 
 /// Platform mathematics differs from machine to machine in the last bit; the crate `libm` and the polynomial kernels do not.
@@ -319,12 +317,12 @@ fn law_results_use_no_platform_mathematics() {
     ];
     let calls: Vec<String> = words.iter().flat_map(|w| [format!(".{w}("), format!("f64::{w}")]).collect();
     let calls: Vec<&str> = calls.iter().map(String::as_str).collect();
-    let rooms =
+    let modules =
         ["plant", "control", "measurement", "reference", "stats", "fleet", "cosim", "random", "lanes", "paper", "trig"];
     let wrong = sources();
     let wrong: Vec<String> = wrong
         .iter()
-        .filter(|s| rooms.contains(&s.room()))
+        .filter(|s| modules.contains(&s.module()))
         .flat_map(|s| {
             s.lines.iter().enumerate().filter_map(|(i, line)| {
                 let call = calls.iter().find(|c| line.contains(**c))?;
@@ -465,19 +463,19 @@ fn law_the_lock_file_and_the_licences_are_committed() {
     }
 }
 
-/// Every room of src/lib.rs has a floor here, and every room here that exists is in the table of src/lib.rs.
+/// Every module of src/lib.rs has a layer here, and every module here that exists is in the table of src/lib.rs.
 #[test]
-fn law_the_floors_are_those_of_lib_rs() {
+fn law_the_layers_are_those_of_lib_rs() {
     let lib = fs::read_to_string(root().join("src/lib.rs")).unwrap();
     let table: BTreeSet<&str> = lib
         .lines()
         .filter(|l| l.starts_with("//!"))
         .flat_map(|l| l.split(|c: char| !c.is_alphanumeric() && c != '_'))
         .collect();
-    let known: Vec<&str> = FLOORS.iter().map(|(room, _)| *room).chain(COMMON_GROUND.iter().copied()).collect();
-    let rooms: BTreeSet<String> = sources().iter().map(|s| s.room().to_owned()).filter(|r| r != "lib").collect();
-    let wrong = rooms.iter().filter(|r| !known.contains(&r.as_str()) || !table.contains(r.as_str()) && *r != "cli");
-    assert_none("rooms that are not in the table of src/lib.rs or in tests/tidy.rs", wrong.cloned());
+    let known: Vec<&str> = LAYERS.iter().map(|(module, _)| *module).chain(COMMON_GROUND.iter().copied()).collect();
+    let modules: BTreeSet<String> = sources().iter().map(|s| s.module().to_owned()).filter(|r| r != "lib").collect();
+    let wrong = modules.iter().filter(|r| !known.contains(&r.as_str()) || !table.contains(r.as_str()) && *r != "cli");
+    assert_none("modules that are not in the table of src/lib.rs or in tests/tidy.rs", wrong.cloned());
 }
 
 /// The names that registries in `source` offer.
