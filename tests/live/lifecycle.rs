@@ -1,8 +1,8 @@
 //! Vehicles come and go in all the ways that SUMO knows, and every departure has exactly one row.
 
 use crate::support::{
-    CAR, NEW, OLD, Outcome, Row, Running, configuration, json, network, number, own, plain_sumo, repository, run,
-    run_command, straight_road, table,
+    CAR, NEW, OLD, Outcome, Row, Running, attribute, configuration, elements, json, network, number, own, plain_sumo,
+    repository, run, run_command, straight_road, table,
 };
 use std::fs;
 
@@ -308,6 +308,22 @@ fn the_format_of_sumos_outputs_changes_nothing() {
     let thinned = run(NEW, &config, &["--end", "120", "--", "--device.tripinfo.probability", "0"]);
     assert_eq!(thinned.sumo("arrived"), plain.sumo("arrived"));
     assert!(thinned.ended.stderr.contains("tripinfo holds 0 of 8 vehicles"), "{}", thinned.ended.stderr);
+}
+
+/// TraCI reports whoever leaves as arrived; the rows say what SUMO's own file says.
+#[test]
+fn vehicles_that_sumo_takes_out_have_not_arrived() {
+    for version in [NEW, OLD] {
+        let options = ["--end", "200", "--", "--time-to-teleport", "5", "--time-to-teleport.remove", "true"];
+        let result = run(version, &own("city"), &options);
+        let trips = elements(&result.dir.join("sumo/tripinfo.xml"), "tripinfo");
+        let ended = |trip: &&String| attribute(trip, "arrival") != "-1.00";
+        let count = |by: &str| trips.iter().filter(ended).filter(|trip| attribute(trip, "vaporized") == by).count();
+        let rows = |reason: &str| result.vehicles().iter().filter(|row| row["reason"] == reason).count();
+        assert!(count("teleport") > 50, "SUMO {version}: {} taken out", count("teleport"));
+        assert_eq!(rows("teleported_out"), count("teleport"), "SUMO {version}");
+        assert_eq!((rows("arrived"), result.sumo("arrived")), (count(""), count("") as f64), "SUMO {version}");
+    }
 }
 
 /// An id may be used again once its vehicle has left; each use has its row.
