@@ -20,6 +20,7 @@
 mod admission;
 pub mod bodies;
 mod body_leads;
+mod creep;
 mod egos;
 mod error;
 mod events;
@@ -36,6 +37,7 @@ mod traci_link;
 mod world;
 
 pub use admission::Rules;
+pub use creep::{LONG_S, SLOW_MPS};
 pub use egos::{Ego, EgoTable, Presence};
 pub use error::CosimError;
 pub use events::Events;

@@ -13,7 +13,7 @@ use super::sumo::Sumo;
 use crate::fleet::VehicleSetup;
 use crate::keys::Key;
 use crate::random::Stream;
-use crate::scenario::{EgoInfo, Group, Selector};
+use crate::scenario::{EgoInfo, Group, HeadwayMargin, Selector};
 use crate::sumo_files::Equipped;
 use crate::traci::{Var, vehicle, vehicletype};
 use std::collections::{BTreeSet, HashMap};
@@ -32,6 +32,8 @@ pub struct Rules {
     pub egos: Selector,
     /// What the demand says of `has.mfc.device`.
     pub equipped: Equipped,
+    /// How much more time headway the egos keep.
+    pub headway: Option<HeadwayMargin>,
     /// Seed of everything that is drawn per vehicle.
     pub seed: u64,
 }
@@ -43,6 +45,8 @@ pub struct Wanted {
     pub before: bool,
     /// Its driver imperfection.
     pub imperfection: bool,
+    /// Its desired time headway.
+    pub headway: bool,
 }
 
 /// Departed vehicles on their way to becoming egos.
@@ -65,6 +69,8 @@ pub struct Newcomer {
     pub group: usize,
     /// Time between two decisions of its driver \[s\].
     pub action_step_s: f64,
+    /// The time headway that it is given, if that is changed \[s\].
+    pub headway_s: Option<f64>,
     /// Its body.
     pub setup: VehicleSetup,
 }
@@ -82,6 +88,8 @@ pub struct Departed {
     parameters: Vec<(&'static Key, String)>,
     /// Its driver imperfection, if that is changed.
     pub imperfection: Option<f64>,
+    /// Its desired time headway, if that is changed \[s\].
+    pub headway_s: Option<f64>,
     /// What body-leads mode changes, and the lane, if bodies lead.
     pub before: Option<(Before, String)>,
 }
@@ -190,7 +198,10 @@ impl Admission {
         let Rules { groups, tyre_curves, seed, .. } = &self.rules;
         let curve = tyre_curves[group].as_deref();
         let setup = bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
-        Ok(Some(Newcomer { departed, group, action_step_s: facts.action_step_s, setup }))
+        let margin_s =
+            self.rules.headway.filter(|_| groups[group].has_body()).map(|margin| margin.of(&groups[group], &setup));
+        let headway_s = departed.headway_s.zip(margin_s).map(|(headway_s, margin_s)| headway_s + margin_s);
+        Ok(Some(Newcomer { departed, group, action_step_s: facts.action_step_s, headway_s, setup }))
     }
 }
 
@@ -221,10 +232,11 @@ impl Question for VehicleQuestion {
         let odometer_m = gets.number(vehicle::DISTANCE).unwrap_or(0.0);
         let parameters = parameters(gets, vehicle::PARAMETER);
         let imperfection = if self.wanted.imperfection { gets.number(vehicle::IMPERFECTION) } else { None };
+        let headway_s = if self.wanted.headway { gets.number(vehicle::TAU) } else { None };
         let before =
             if self.wanted.before { Before::ask(gets).zip(gets.text(vehicle::LANE).map(str::to_owned)) } else { None };
         let (object, type_id) = (self.object.clone(), type_id?.to_owned());
-        Some(Departed { object, type_id, speed_mps, odometer_m, parameters, imperfection, before })
+        Some(Departed { object, type_id, speed_mps, odometer_m, parameters, imperfection, headway_s, before })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Who is in the fleet: one record per ego, at its slot.
 
+use super::creep::Creep;
 use super::leader::Leader;
 use super::question::Object;
 use crate::fleet::Slot;
@@ -41,6 +42,12 @@ pub struct Ego {
     pub leader: Option<Leader>,
     /// True if its driver decides less often than SUMO steps, and keeps an acceleration in between.
     pub keeps_plan: bool,
+    /// Whether it creeps.
+    pub creep: Creep,
+    /// Desired time headway before the scenario changed it \[s\].
+    pub headway_before_s: Option<f64>,
+    /// The one that it is given in place of that \[s\].
+    pub headway_s: Option<f64>,
     /// Driver imperfection before the scenario changed it.
     pub imperfection_before: Option<f64>,
 }

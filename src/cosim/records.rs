@@ -91,6 +91,8 @@ pub struct Counters {
     pub others: BTreeMap<String, u64>,
     /// Departed vehicles that the selectors left to SUMO.
     pub unequipped: u64,
+    /// Egos that crept ([`super::creep`]).
+    pub crept: u64,
     /// Departed vehicles that were to be egos but cannot be, with the reason.
     pub refused: Vec<(String, String)>,
 }
@@ -118,6 +120,7 @@ impl Records {
             let sums = block.take_sums(lane);
             self.roads.add(road, &sums);
         }
+        self.counters.crept += u64::from(ego.creep.crept);
         self.finished.push(Finished {
             collisions: self.collisions.get(&**ego.id()).copied().unwrap_or(0),
             id: ego.object.id,

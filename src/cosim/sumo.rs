@@ -16,6 +16,8 @@ pub enum Tell {
     Speed(f64),
     /// The end of `setSpeed`: SUMO's own car-following drives again.
     ReleaseSpeed,
+    /// Desired time headway \[s\].
+    Headway(f64),
     /// Driver imperfection.
     Imperfection(f64),
     /// Largest acceleration [m/s²].

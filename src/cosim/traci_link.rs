@@ -99,6 +99,7 @@ impl Sumo for TraciLink {
             }
             Tell::Speed(speed_mps) => batch.set_speed(prefix, speed_mps),
             Tell::ReleaseSpeed => batch.release_speed(prefix),
+            Tell::Headway(headway_s) => batch.set(vehicle::TAU, id, headway_s),
             Tell::Imperfection(sigma) => batch.set(vehicle::IMPERFECTION, id, sigma),
             Tell::Accel(accel_mps2) => batch.set(vehicle::ACCEL, id, accel_mps2),
             Tell::Decel(decel_mps2) => batch.set(vehicle::DECEL, id, decel_mps2),

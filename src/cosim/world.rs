@@ -3,6 +3,7 @@
 
 use super::admission::{Admission, Newcomer, Rules, Wanted};
 use super::body_leads::BodyLeads;
+use super::creep::Creep;
 use super::egos::{Ego, EgoTable, Presence};
 use super::error::CosimError;
 use super::events::Events;
@@ -95,7 +96,11 @@ impl<S: Sumo> World<S> {
             return Err(CosimError::Step { step_s, period_s });
         }
         let body_leads = BodyLeads::new(setup.targets);
-        let wanted = Wanted { before: body_leads.anywhere(), imperfection: setup.sigma.is_some() };
+        let wanted = Wanted {
+            before: body_leads.anywhere(),
+            imperfection: setup.sigma.is_some(),
+            headway: setup.rules.headway.is_some(),
+        };
         let mut admission = Admission::new(setup.rules, wanted);
         admission.wait(joined.present);
         Ok(Self {
@@ -165,7 +170,7 @@ impl<S: Sumo> World<S> {
 
     /// Gives a slot and a body to every vehicle that has departed and is to be an ego.
     async fn admit_newcomers(&mut self) -> Result<(), CosimError> {
-        for Newcomer { departed, group, action_step_s, setup } in
+        for Newcomer { departed, group, action_step_s, headway_s, setup } in
             self.admission.decide(&mut self.sumo, &mut self.records.counters).await?
         {
             let speed_mps = setup.speed_mps;
@@ -191,6 +196,9 @@ impl<S: Sumo> World<S> {
                 road: None,
                 leader,
                 keeps_plan: action_step_s > 1.5 * self.step_s,
+                creep: Creep::default(),
+                headway_before_s: departed.headway_s,
+                headway_s,
                 imperfection_before: departed.imperfection,
             });
         }
@@ -204,6 +212,9 @@ impl<S: Sumo> World<S> {
         for ego in newcomers.iter().filter_map(|slot| self.egos.get(*slot)) {
             if let (Some(sigma), Some(_)) = (self.sigma, ego.imperfection_before) {
                 self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
+            }
+            if let Some(headway_s) = ego.headway_s {
+                self.sumo.tell(&ego.object, Tell::Headway(headway_s))?;
             }
             if let Some(leader) = &ego.leader {
                 let limits_mps2 = self.fleet.block(ego.slot).acceleration_limits_mps2(ego.slot.lane());
@@ -320,7 +331,12 @@ impl<S: Sumo> World<S> {
         self.fleet.advance_among(blocks.clone(), self.periods, follows, Follow::Traffic);
         self.fleet.close_step_among(blocks);
         for slot in members {
-            if self.egos.get(*slot).is_some() && !self.fleet.block(*slot).is_sound(slot.lane()) {
+            let Some(ego) = self.egos.get_mut(*slot) else { continue };
+            let (block, lane) = (self.fleet.block(*slot), slot.lane());
+            if ego.presence == Presence::Driving {
+                ego.creep.note(block.speed_mps(lane), self.step_s);
+            }
+            if !block.is_sound(lane) {
                 self.end(*slot, Reason::Diverged);
             }
         }
@@ -369,6 +385,9 @@ impl<S: Sumo> World<S> {
         for ego in self.egos.iter() {
             if let Some(sigma) = ego.imperfection_before {
                 self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
+            }
+            if let (Some(headway_s), Some(_)) = (ego.headway_before_s, ego.headway_s) {
+                self.sumo.tell(&ego.object, Tell::Headway(headway_s))?;
             }
             if let Some(leader) = &ego.leader {
                 leader.hand_back(&mut self.sumo, &ego.object)?;

@@ -2,7 +2,7 @@
 
 use super::rows::{EdgeRow, VehicleRow, edge_rows};
 use super::summary::{NO_EGOS, SumoTotals};
-use crate::cosim::{Counters, Finished, Reason, Records};
+use crate::cosim::{Counters, Finished, LONG_S, Reason, Records, SLOW_MPS};
 use crate::scenario::Scenario;
 use crate::sumo_files::{SumoCommand, SumoFileError, SumoStatistics, Trips};
 
@@ -27,7 +27,7 @@ impl Outcome {
     /// only what the replies told is known. Rows do not depend on SUMO's files: those that cannot be read leave the columns
     /// empty that come from them.
     pub fn new(scenario: &Scenario, records: Records, time_s: f64, own_sumo: Option<&SumoCommand>, died: bool) -> Self {
-        let mut notes = notes(&records.counters);
+        let mut notes = notes(&records.counters, records.finished.len());
         let mut told = |error: SumoFileError, instead: &str| {
             if !died {
                 notes.push(format!("{error}: {instead}"));
@@ -110,11 +110,17 @@ fn milliseconds(time_s: f64) -> f64 {
 }
 
 /// What the user should be told about the traffic.
-fn notes(counters: &Counters) -> Vec<String> {
+fn notes(counters: &Counters, egos: usize) -> Vec<String> {
     let mut notes = Vec::new();
     if !counters.others.is_empty() {
         let list: Vec<String> = counters.others.iter().map(|(class, count)| format!("{count} {class}")).collect();
         notes.push(format!("left to SUMO, for want of four wheels: {}", list.join(", ")));
+    }
+    if counters.crept > 0 {
+        notes.push(format!(
+            "{} of {egos} equipped vehicles crept: they moved for more than {LONG_S} s without exceeding {SLOW_MPS} m/s",
+            counters.crept
+        ));
     }
     if let Some((id, reason)) = counters.refused.first() {
         notes.push(format!("{} vehicles cannot be egos; the first, \"{id}\": {reason}", counters.refused.len()));

@@ -16,6 +16,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
             tyre_curves: groups.iter().map(|group| group.load_tyre_curve()).collect::<Result<_, _>>()?,
             egos: scenario.egos.clone(),
             equipped: scenario.equipped()?,
+            headway: scenario.traffic.headway_margin_s,
             seed: scenario.sumo.seed,
         },
         targets: groups.iter().map(|group| group.load_target()).collect::<Result<_, _>>()?,

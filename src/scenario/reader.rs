@@ -181,15 +181,20 @@ fn value(key: &Key, entry: &Entry, path: &str, drawn: bool) -> Result<Value, Mis
             return Err(entry.wrong(path, wanted(key.kind) + &near.unwrap_or_default()));
         }
         (Node::Text(x), Kind::Text) => Value::Text(x.clone()),
-        (Node::Text(x), Kind::Form(form)) => {
-            form(x).map(|()| Value::Text(x.clone())).map_err(|wanted| entry.wrong(path, wanted))?
-        }
+        (Node::Text(x), Kind::Form(form)) => of_form(form, x, entry, path)?,
+        (Node::Number(x), Kind::Form(form)) => of_form(form, &x.to_string(), entry, path)?,
+        (Node::Integer(x), Kind::Form(form)) => of_form(form, &x.to_string(), entry, path)?,
         (Node::Text(x), Kind::File) => Value::Text(file(x)?),
         (_, Kind::Texts) => Value::Texts(texts(entry, path)?),
         (_, Kind::Files) => Value::Texts(texts(entry, path)?.iter().map(|x| file(x)).collect::<Result<_, _>>()?),
         (_, Kind::Number { .. }) if drawn => return Err(entry.wrong(path, wanted(key.kind) + " or a distribution")),
         _ => return Err(entry.wrong(path, wanted(key.kind))),
     })
+}
+
+/// A text that must have a form; a number may have it too.
+fn of_form(form: fn(&str) -> Result<(), String>, text: &str, entry: &Entry, path: &str) -> Result<Value, Mistake> {
+    form(text).map(|()| Value::Text(text.to_owned())).map_err(|wanted| entry.wrong(path, wanted))
 }
 
 /// What a kind takes, in words.

@@ -82,7 +82,8 @@ fn property(key: &Key, drawn: bool) -> Json {
         Kind::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice(words) => json!({ "enum": words }),
-        Kind::Text | Kind::Form(_) | Kind::File => json!({ "type": "string" }),
+        Kind::Form(_) => json!({ "type": ["string", "number"] }),
+        Kind::Text | Kind::File => json!({ "type": "string" }),
         Kind::Texts | Kind::Files => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
     };
     property["description"] = json!(format!("{} ({})", key.help, wanted(key.kind)));

@@ -1,6 +1,6 @@
 //! The fixed sections of a scenario file. What is chosen by name brings its own keys; see the catalog.
 
-use super::selector::Selector;
+use super::{headway::HeadwayMargin, selector::Selector};
 use crate::{
     keys,
     keys::{Kind, Setting, Value},
@@ -43,6 +43,8 @@ keys! {
     pub struct Traffic {
         /// driver imperfection of the egos' car-following; not set = the vType's
         sigma: Option<f64>, "-", 0.0..=1.0;
+        /// added to the time headway tau of egos with a body: seconds, or auto = dead time + lag + 1/k_p; not set = nothing
+        headway_margin_s: Option<HeadwayMargin>;
     }
 }
 

@@ -70,6 +70,7 @@ struct Driver {
     speed_factor: f64,
     speed_mode: i32,
     imperfection: f64,
+    headway_s: f64,
 }
 
 /// The world.
@@ -112,6 +113,7 @@ impl Fake {
             Tell::PreviousSpeed(speed_mps, _) => driver.car.speed_mps = speed_mps,
             Tell::Speed(speed_mps) => driver.command_mps = Some(speed_mps),
             Tell::ReleaseSpeed => driver.command_mps = None,
+            Tell::Headway(headway_s) => driver.headway_s = headway_s,
             Tell::Imperfection(sigma) => driver.imperfection = sigma,
             Tell::Accel(accel_mps2) => driver.accel_mps2 = accel_mps2,
             Tell::Decel(decel_mps2) => driver.decel_mps2 = decel_mps2,
@@ -163,6 +165,7 @@ impl Fake {
                 speed_factor: 1.0,
                 speed_mode: SPEED_MODE,
                 imperfection: IMPERFECTION,
+                headway_s: 1.0,
                 car,
             };
             self.road.insert(driver.car.id.clone(), driver);
@@ -340,6 +343,7 @@ fn vehicle_value(driver: &Driver, variable: u8) -> Option<Value<'_>> {
         v if v == vehicle::SPEED_FACTOR.id => Some(Value::Double(driver.speed_factor)),
         v if v == vehicle::SPEED_MODE.id => Some(Value::Int(driver.speed_mode)),
         v if v == vehicle::IMPERFECTION.id => Some(Value::Double(driver.imperfection)),
+        v if v == vehicle::TAU.id => Some(Value::Double(driver.headway_s)),
         v if v == vehicle::PARAMETER.id => Some(Value::Text("")),
         _ => panic!("nobody asks for 0x{variable:02x} of a vehicle"),
     }

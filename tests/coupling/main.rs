@@ -243,6 +243,22 @@ fn hand_back_restores_what_was_changed() {
 }
 
 #[test]
+fn the_driver_allows_for_the_actuation_until_hand_back() {
+    let of_car = |sets: &[&str]| {
+        let sets = [&["actuator.delay_s=0.25", "actuator.lag_s=0.125"][..], sets].concat();
+        let mut world = world(Fake::new([Car::new("a", 0, 0)]), &sets);
+        step(&mut world, 50);
+        now(world.hand_back()).unwrap();
+        let told = world.sumo_mut().told_to("a").into_iter();
+        told.filter(|what| matches!(what, Tell::Headway(_))).collect::<Vec<_>>()
+    };
+    assert_eq!(of_car(&["traffic.headway_margin_s=auto", "controller.k_p=2"]), [Tell::Headway(1.875), Tell::Headway(1.0)]);
+    assert_eq!(of_car(&["traffic.headway_margin_s=0.5"]), [Tell::Headway(1.5), Tell::Headway(1.0)]);
+    assert_eq!(of_car(&["traffic.headway_margin_s=0.5", "controller.name=ideal"]), [], "no body, no margin");
+    assert_eq!(of_car(&[]), []);
+}
+
+#[test]
 fn an_id_that_is_used_again_has_two_records() {
     let twice = [5, 200].map(|departs| Car { arrives_at_m: 100.0, ..Car::new("a", 0, departs) });
     let mut world = world(Fake::new(twice), &[]);
