@@ -9,8 +9,14 @@ use std::path::Path;
 
 /// Below this speed a recording is taken to stand [m/s].
 const STANDING_MPS: f64 = 0.5;
-/// Recordings with longer sampling intervals are not smoothed (s).
+/// Recordings with longer sampling intervals (their median) are not smoothed (s).
 const COARSE_S: f64 = 0.1;
+/// Faster than any road vehicle: such a sample is none [m/s].
+const IMPLAUSIBLE_MPS: f64 = 200.0;
+/// A recording with a longer gap is two (s).
+const GAP_S: f64 = 10.0;
+/// Intervals that differ by less from the mean one are those of a regular recording whose times were rounded.
+const REGULAR: f64 = 0.25;
 /// Length over which a track's curvature is taken (m).
 const CURVATURE_BASE_M: f64 = 3.0;
 
@@ -20,7 +26,8 @@ pub struct RecordingOptions {
     /// Over position or time; None: files with a position by position, plain speeds over time by time, recordings with stops
     /// (below 0.5 m/s) by time and others by position.
     pub by: Option<Axis>,
-    /// Length of the moving average over V_x and V_y of a recording (s); 0 = off. Never used on samples coarser than 10 Hz.
+    /// Length of the moving average over V_x and V_y of a recording (s); 0 = off. Never used on samples whose median
+    /// interval is coarser than 10 Hz.
     pub smooth_s: f64,
     /// What a speed of 1 is in m/s where the column does not name its unit.
     pub speed_unit_mps: f64,
@@ -123,7 +130,12 @@ pub(super) fn read(file: &Path, options: &RecordingOptions) -> Result<Read, Refe
 
 /// The speed column, whichever name it has.
 fn speed(table: &Table) -> Result<&Column, ReferenceError> {
-    table.column(Quantity::Speed).or_else(|| table.column(Quantity::SpeedX)).ok_or_else(|| table.missing())
+    let speed = table.column(Quantity::Speed).or_else(|| table.column(Quantity::SpeedX));
+    let speed = speed.ok_or_else(|| table.missing())?;
+    match speed.values.iter().position(|v| *v > IMPLAUSIBLE_MPS) {
+        Some(row) => Err(table.error(row, speed, &format!("a speed of at most {IMPLAUSIBLE_MPS} m/s"))),
+        None => Ok(speed),
+    }
 }
 
 /// A profile as it stands in the file.
@@ -161,14 +173,23 @@ fn recording(table: &Table, time: &Column, options: &RecordingOptions) -> Result
     if let Some(row) = (1..rows).find(|&i| time.values[i] <= time.values[i - 1]) {
         return Err(table.error(row, time, "more than the row before"));
     }
+    if let Some(row) = (1..rows).find(|&i| time.values[i] - time.values[i - 1] > GAP_S) {
+        return Err(table.error(
+            row,
+            time,
+            &format!("at most {GAP_S} s after the row before: leave out one of the parts"),
+        ));
+    }
+    // A sensor may say a little less than nothing while the vehicle stands.
+    if let Some(row) = speed.values.iter().position(|v| *v < -STANDING_MPS) {
+        return Err(table.error(row, speed, "a speed of at least 0"));
+    }
     let t_s: Vec<f64> = time.values.iter().map(|t| t - time.values[0]).collect();
-    let interval_s = t_s[rows - 1] / (rows - 1) as f64;
-    // Small tolerance: 10 Hz written with rounded times is still 10 Hz.
-    let samples = if interval_s > 1.001 * COARSE_S { 1 } else { (options.smooth_s / interval_s).round() as usize };
+    let average = Average::of(&t_s, options.smooth_s);
     let zeros = vec![0.0; rows];
     let yaw_rate = table.column(Quantity::YawRate);
-    let vx_mps: Vec<f64> = moving_average(&speed.values, samples).iter().map(|v| v.max(0.0)).collect();
-    let vy_mps = moving_average(table.column(Quantity::SpeedY).map_or(&zeros, |c| &c.values), samples);
+    let vx_mps: Vec<f64> = average.over(&t_s, &speed.values).iter().map(|v| v.max(0.0)).collect();
+    let vy_mps = average.over(&t_s, table.column(Quantity::SpeedY).map_or(&zeros, |c| &c.values));
     let track = Track::reconstruct(&t_s, &vx_mps, &vy_mps, yaw_rate.map_or(&zeros, |c| &c.values));
 
     let standing = vx_mps.iter().position(|&v| v < STANDING_MPS);
@@ -180,13 +201,70 @@ fn recording(table: &Table, time: &Column, options: &RecordingOptions) -> Result
     Ok((by, points(axis, &vx_mps), yaw_rate.map(|_| track)))
 }
 
-/// Mean over `samples` samples around each one, over fewer at the ends: centred, so that nothing is delayed.
-fn moving_average(values: &[f64], samples: usize) -> Vec<f64> {
+/// The moving average of a recording.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Average {
+    /// Over this many samples of a regular recording.
+    Samples(usize),
+    /// Over this time of a recording whose intervals differ (s).
+    Time(f64),
+}
+
+impl Average {
+    /// How a recording with these times is averaged over `smooth_s`: not at all if its median interval is coarser than
+    /// 10 Hz. The median, so that a few gaps do not make a fine recording a coarse one.
+    fn of(t_s: &[f64], smooth_s: f64) -> Self {
+        let mut intervals_s: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        intervals_s.sort_unstable_by(f64::total_cmp);
+        let [shortest_s, median_s] = [intervals_s[0], intervals_s[intervals_s.len() / 2]];
+        let longest_s = intervals_s[intervals_s.len() - 1];
+        let mean_s = t_s[t_s.len() - 1] / intervals_s.len() as f64;
+        // Small tolerance: 10 Hz written with rounded times is still 10 Hz.
+        if median_s > 1.001 * COARSE_S || smooth_s <= 0.0 {
+            Self::Samples(1)
+        } else if shortest_s < (1.0 - REGULAR) * mean_s || longest_s > (1.0 + REGULAR) * mean_s {
+            Self::Time(smooth_s)
+        } else {
+            Self::Samples((smooth_s / mean_s).round() as usize)
+        }
+    }
+
+    /// The averaged values: centred, so that nothing is delayed.
+    fn over(self, t_s: &[f64], values: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Samples(samples) => average_of_samples(values, samples),
+            Self::Time(window_s) => average_over_time(t_s, values, window_s),
+        }
+    }
+}
+
+/// Mean over `samples` samples around each one, over fewer at the ends.
+fn average_of_samples(values: &[f64], samples: usize) -> Vec<f64> {
     let (before, after) = (samples / 2, samples.max(1).div_ceil(2));
     (0..values.len())
         .map(|i| {
             let window = &values[i.saturating_sub(before)..(i + after).min(values.len())];
             window.iter().sum::<f64>() / window.len() as f64
+        })
+        .collect()
+}
+
+/// Mean over `window_s` around each sample of the values joined by lines, over less at the ends.
+fn average_over_time(t_s: &[f64], values: &[f64], window_s: f64) -> Vec<f64> {
+    let mut integral = vec![0.0];
+    for i in 1..t_s.len() {
+        integral.push(integral[i - 1] + 0.5 * (values[i - 1] + values[i]) * (t_s[i] - t_s[i - 1]));
+    }
+    let end_s = t_s[t_s.len() - 1];
+    let up_to = |t: f64| {
+        let i = t_s.partition_point(|&at| at <= t).clamp(1, t_s.len() - 1) - 1;
+        let share = (t - t_s[i]) / (t_s[i + 1] - t_s[i]);
+        integral[i] + (t - t_s[i]) * (values[i] + 0.5 * share * (values[i + 1] - values[i]))
+    };
+    t_s.iter()
+        .map(|t| {
+            let (from, to) = ((t - 0.5 * window_s).max(0.0), (t + 0.5 * window_s).min(end_s));
+            (up_to(to) - up_to(from)) / (to - from)
         })
         .collect()
 }

@@ -33,11 +33,76 @@ const NAMES: &[(&str, Quantity)] = &[
 const UNITS: &[(&str, f64)] = &[
     ("_mps", 1.0),
     ("_kmh", 1.0 / 3.6),
+    ("_mph", 0.44704),
     ("_radps", 1.0),
     ("_degps", std::f64::consts::PI / 180.0),
     ("_m", 1.0),
     ("_s", 1.0),
+    ("_msec", 0.001),
 ];
+
+/// Units as loggers write them in brackets, and the suffix that means the same.
+const IN_BRACKETS: &[(&str, &str)] = &[
+    ("m/s", "_mps"),
+    ("km/h", "_kmh"),
+    ("kph", "_kmh"),
+    ("mph", "_mph"),
+    ("rad/s", "_radps"),
+    ("deg/s", "_degps"),
+    ("m", "_m"),
+    ("s", "_s"),
+    ("ms", "_msec"),
+];
+
+/// Lines in front of the header that a logger may write.
+const PREAMBLE_LINES: usize = 50;
+
+/// What the name of a column says of its unit.
+enum Unit {
+    None,
+    /// One of it in SI.
+    Si(f64),
+    Unknown(String),
+}
+
+/// The quantity and unit of a column that is called `name`: `speed_kmh`, `Speed (km/h)`, `speed [km/h]`.
+fn known(name: &str) -> Option<(Quantity, Unit)> {
+    let quantity = |base: &str| NAMES.iter().find(|(known, _)| *known == base).map(|(_, quantity)| *quantity);
+    let lower = name.trim().to_lowercase();
+    if let Some((base, unit)) = lower.trim_end_matches([')', ']']).split_once(['(', '[']) {
+        let suffix = IN_BRACKETS.iter().find(|(written, _)| *written == unit.trim()).map(|(_, suffix)| *suffix);
+        let unit = suffix.and_then(|s| UNITS.iter().find(|(known, _)| *known == s)).map(|(_, si)| Unit::Si(*si));
+        let written =
+            || name.trim().trim_end_matches([')', ']']).split(['(', '[']).nth(1).unwrap_or_default().to_owned();
+        return Some((quantity(base.trim())?, unit.unwrap_or_else(|| Unit::Unknown(written()))));
+    }
+    match UNITS.iter().find(|(suffix, _)| lower.ends_with(suffix)) {
+        Some((suffix, si)) => Some((quantity(&lower[..lower.len() - suffix.len()])?, Unit::Si(*si))),
+        None => Some((quantity(&lower)?, Unit::None)),
+    }
+}
+
+/// The text from its header on, with the other lines in front of it left empty, so that lines keep their numbers. The
+/// header is the last line before the numbers in which two columns are known; a logger may have made it a comment. Without
+/// one the text stays as it is.
+fn without_preamble(text: &str) -> String {
+    let fields = |line: &str| line.split([',', ';']).map(|field| field.trim().to_owned()).collect::<Vec<_>>();
+    let is_data = |line: &&str| fields(line).iter().all(|field| field.parse::<f64>().is_ok());
+    let mut header = None;
+    for (number, line) in text.lines().take(PREAMBLE_LINES).enumerate().take_while(|(_, line)| !is_data(line)) {
+        let names = fields(line.trim_start_matches(['#', ' ']));
+        if names.iter().filter(|name| known(name).is_some()).count() >= 2 {
+            header = Some(number);
+        }
+    }
+    let Some(header) = header else { return text.to_owned() };
+    let lines = text.lines().enumerate().map(|(number, line)| match number {
+        _ if number < header => "\n".to_owned(),
+        _ if number == header => line.trim_start_matches(['#', ' ']).to_owned() + "\n",
+        _ => line.to_owned() + "\n",
+    });
+    lines.collect()
+}
 
 /// A column in SI units.
 #[derive(Debug)]
@@ -65,7 +130,7 @@ impl Table {
     pub fn read(file: &Path, speed_unit_mps: f64) -> Result<Self, ReferenceError> {
         let text =
             std::fs::read_to_string(file).map_err(|source| ReferenceError::Read { file: file.into(), source })?;
-        let text = text.trim_start_matches('\u{feff}');
+        let text = &without_preamble(text.trim_start_matches('\u{feff}'));
         let first = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#')).unwrap_or_default();
         let cycle = first.contains(';');
         let mut rows = csv::ReaderBuilder::new()
@@ -83,7 +148,7 @@ impl Table {
             if table.header.is_none() {
                 let headless = cycle && row.iter().all(|field| field.parse::<f64>().is_ok());
                 let header = if headless { csv::StringRecord::from(vec!["t", "v"]) } else { row.clone() };
-                sources = table.take_header(&header, line, speed_unit_mps);
+                sources = table.take_header(&header, line, speed_unit_mps)?;
                 if !headless {
                     continue;
                 }
@@ -100,23 +165,38 @@ impl Table {
     }
 
     /// Finds the known columns; returns their index in a row and their unit.
-    fn take_header(&mut self, header: &csv::StringRecord, line: u64, speed_unit_mps: f64) -> Vec<(usize, f64)> {
+    fn take_header(
+        &mut self,
+        header: &csv::StringRecord,
+        line: u64,
+        speed_unit_mps: f64,
+    ) -> Result<Vec<(usize, f64)>, ReferenceError> {
         self.header = Some((header.iter().collect::<Vec<_>>().join(","), line));
         let mut sources = vec![];
         for (index, name) in header.iter().enumerate() {
-            let lower = name.to_lowercase();
-            let unit = UNITS.iter().find(|(suffix, _)| lower.ends_with(suffix));
-            let base = unit.map_or(lower.as_str(), |(suffix, _)| &lower[..lower.len() - suffix.len()]);
-            let Some(&(_, quantity)) = NAMES.iter().find(|(known, _)| *known == base) else { continue };
+            let Some((quantity, unit)) = known(name) else { continue };
             if self.column(quantity).is_some() {
                 continue;
             }
             let is_speed = matches!(quantity, Quantity::Speed | Quantity::SpeedX | Quantity::SpeedY);
-            let scale = unit.map_or(if is_speed { speed_unit_mps } else { 1.0 }, |(_, si)| *si);
+            let scale = match unit {
+                Unit::Si(scale) => scale,
+                Unit::None => {
+                    if is_speed {
+                        speed_unit_mps
+                    } else {
+                        1.0
+                    }
+                }
+                Unit::Unknown(unit) => {
+                    let wanted = IN_BRACKETS.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", ");
+                    return Err(self.content(line, name, &format!("the unit \"{unit}\""), &format!("one of {wanted}")));
+                }
+            };
             self.columns.push(Column { quantity, name: name.to_owned(), values: vec![] });
             sources.push((index, scale));
         }
-        sources
+        Ok(sources)
     }
 
     fn take_row(&mut self, row: &csv::StringRecord, line: u64, sources: &[(usize, f64)]) -> Result<(), ReferenceError> {

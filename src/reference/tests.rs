@@ -106,6 +106,10 @@ fn broken_files_say_where_what_and_what_else() {
         ("s_m,v_mps\n", ":1: header: found no rows, wanted at least one row"),
         ("", ":0: header: found no rows"),
         ("t,vx\n0,5\n", ":2: t: found 0, wanted at least two samples"),
+        ("t,vx\n0,5\n1,1e6\n", ":3: vx: found 1000000, wanted a speed of at most 200 m/s"),
+        ("t,vx\n0,5\n1,-3\n", ":3: vx: found -3, wanted a speed of at least 0"),
+        ("t,vx\n0,5\n50,5\n", ":3: t: found 50, wanted at most 10 s after the row before"),
+        ("t,vx (knots)\n0,5\n1,5\n", ":1: vx (knots): found the unit \"knots\", wanted one of m/s, km/h, kph, mph"),
         ("t,vx\n0,5\n0,5\n", ":3: t: found 0, wanted more than the row before"),
     ] {
         let file = file(content);
@@ -179,6 +183,55 @@ fn recordings_are_smoothed_only_where_they_are_fine_enough() {
     assert!(spread(10.0, 1.0) < 1e-9, "10 points");
     assert!(spread(5.0, 1.0) > 0.99, "coarse");
     assert!(spread(100.0, 0.0) > 0.99, "off");
+}
+
+/// A smooth drive at 11 Hz with noise; every seventh sample comes twice, 55 µs apart, and `gaps` times 3 s are missing.
+fn irregular(gaps: usize) -> String {
+    let mut random = crate::random::Stream::new(1, "irregular", "recording");
+    let mut rows = String::new();
+    for i in 0..900 {
+        let t = f64::from(i) / 11.0;
+        if (0..gaps).any(|gap| (10.0 * gap as f64 + 5.0..10.0 * gap as f64 + 8.0).contains(&t)) {
+            continue;
+        }
+        for late in if i % 7 == 0 { vec![0.0, 55e-6] } else { vec![0.0] } {
+            rows += &format!("{:.6},{:.4}\n", t + late, 20.0 + 5.0 * (0.3 * t).sin() + 0.03 * random.normal());
+        }
+    }
+    "t_s,vx\n".to_owned() + &rows
+}
+
+#[test]
+fn irregular_recordings_are_smoothed_over_time_whatever_their_gaps() {
+    for gaps in [0, 5] {
+        let steepest = |smooth_s: f64| {
+            let options = RecordingOptions { by: Some(Axis::Time), smooth_s, ..Default::default() };
+            let profile = read(&irregular(gaps), &options).unwrap();
+            (0..80_000).map(|i| profile.at(0.0, f64::from(i) * 1e-3, 20.0).1.abs()).fold(0.0, f64::max)
+        };
+        // The drive itself has 1.5 m/s².
+        assert!(steepest(1.0) < 1.8, "{gaps} gaps: {} m/s2", steepest(1.0));
+        assert!(steepest(0.0) > 1e2, "without smoothing: {} m/s2", steepest(0.0));
+        let options = RecordingOptions { by: Some(Axis::Time), ..Default::default() };
+        let (v, _) = read(&irregular(gaps), &options).unwrap().at(0.0, 30.0, 20.0);
+        assert!((v - (20.0 + 5.0 * (9.0_f64).sin())).abs() < 0.05, "{v}");
+    }
+}
+
+#[test]
+fn headers_are_read_as_loggers_write_them() {
+    for content in [
+        "# time(s),vx(m/s)\n0,10\n1,10\n",
+        "Session 4\nDriver,A. Nobody\n\nTime (ms),Speed (km/h)\n0,36\n1000,36\n",
+        "t_s,speed [m/s]\n0,10\n1,10\n",
+        "Time,Speed (MPH)\n0,22.369363\n1,22.369363\n",
+        "# time, speed: of the second run\nt_s,vx_mps\n0,10\n1,10\n",
+    ] {
+        let options = RecordingOptions { by: Some(Axis::Time), ..Default::default() };
+        let profile = read(content, &options).unwrap_or_else(|error| panic!("{content}: {error}"));
+        assert!((profile.at(0.0, 0.5, 10.0).0 - 10.0).abs() < 1e-6, "{content}");
+        assert_eq!(profile.length(), Some(1.0), "{content}");
+    }
 }
 
 #[test]

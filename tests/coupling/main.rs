@@ -252,7 +252,10 @@ fn the_driver_allows_for_the_actuation_until_hand_back() {
         let told = world.sumo_mut().told_to("a").into_iter();
         told.filter(|what| matches!(what, Tell::Headway(_))).collect::<Vec<_>>()
     };
-    assert_eq!(of_car(&["traffic.headway_margin_s=auto", "controller.k_p=2"]), [Tell::Headway(1.875), Tell::Headway(1.0)]);
+    assert_eq!(
+        of_car(&["traffic.headway_margin_s=auto", "controller.k_p=2"]),
+        [Tell::Headway(1.875), Tell::Headway(1.0)]
+    );
     assert_eq!(of_car(&["traffic.headway_margin_s=0.5"]), [Tell::Headway(1.5), Tell::Headway(1.0)]);
     assert_eq!(of_car(&["traffic.headway_margin_s=0.5", "controller.name=ideal"]), [], "no body, no margin");
     assert_eq!(of_car(&[]), []);
