@@ -91,7 +91,7 @@ pub struct Counters {
     pub others: BTreeMap<String, u64>,
     /// Departed vehicles that the selectors left to SUMO.
     pub unequipped: u64,
-    /// Egos that crept ([`super::creep`]).
+    /// Egos that crept: they moved for more than [`super::LONG_S`] without exceeding [`super::SLOW_MPS`].
     pub crept: u64,
     /// Departed vehicles that were to be egos but cannot be, with the reason.
     pub refused: Vec<(String, String)>,
