@@ -198,8 +198,11 @@ impl Admission {
         let Rules { groups, tyre_curves, seed, .. } = &self.rules;
         let curve = tyre_curves[group].as_deref();
         let setup = bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
-        let margin_s =
-            self.rules.headway.filter(|_| groups[group].has_body()).map(|margin| margin.of(&groups[group], &setup));
+        let margin_s = self
+            .rules
+            .headway
+            .filter(|_| groups[group].has_body())
+            .map(|margin| margin.of(&setup, groups[group].controller.values.get("k_p")));
         let headway_s = departed.headway_s.zip(margin_s).map(|(headway_s, margin_s)| headway_s + margin_s);
         Ok(Some(Newcomer { departed, group, action_step_s: facts.action_step_s, headway_s, setup }))
     }

@@ -1,6 +1,5 @@
 //! How much more time headway a driver keeps because the car does not follow at once.
 
-use super::model::Group;
 use crate::{
     fleet::VehicleSetup,
     keys::{Kind, Setting, Value},
@@ -25,11 +24,11 @@ impl HeadwayMargin {
         read.ok_or_else(|| format!("a number in s from 0 to {MARGIN_MAX_S} or \"auto\""))
     }
 
-    /// The margin of a vehicle of `group` \[s\].
-    pub fn of(self, group: &Group, vehicle: &VehicleSetup) -> f64 {
-        let rate = || group.controller.values.get::<f64>("k_p").filter(|k_p| *k_p > 0.0);
+    /// The margin of a vehicle whose controller has this K_P, if it has one, [1/s] \[s\].
+    pub fn of(self, vehicle: &VehicleSetup, k_p: Option<f64>) -> f64 {
+        let rate = || k_p.filter(|k_p| *k_p > 0.0).map_or(0.0, |k_p| 1.0 / k_p);
         match self {
-            Self::Auto => vehicle.actuator.dead_time_s + vehicle.actuator.lag_s + rate().map_or(0.0, |k_p| 1.0 / k_p),
+            Self::Auto => vehicle.actuator.dead_time_s + vehicle.actuator.lag_s + rate(),
             Self::Seconds(margin_s) => margin_s,
         }
     }
