@@ -182,14 +182,19 @@ fn value(key: &Key, entry: &Entry, path: &str, drawn: bool) -> Result<Value, Mis
         }
         (Node::Text(x), Kind::Text) => Value::Text(x.clone()),
         (Node::Text(x), Kind::Form(form)) => of_form(form, x, entry, path)?,
-        (Node::Number(x), Kind::Form(form)) => of_form(form, &x.to_string(), entry, path)?,
-        (Node::Integer(x), Kind::Form(form)) => of_form(form, &x.to_string(), entry, path)?,
+        (Node::Number(x), Kind::Form(form)) if is_of_numbers(form) => of_form(form, &x.to_string(), entry, path)?,
+        (Node::Integer(x), Kind::Form(form)) if is_of_numbers(form) => of_form(form, &x.to_string(), entry, path)?,
         (Node::Text(x), Kind::File) => Value::Text(file(x)?),
         (_, Kind::Texts) => Value::Texts(texts(entry, path)?),
         (_, Kind::Files) => Value::Texts(texts(entry, path)?.iter().map(|x| file(x)).collect::<Result<_, _>>()?),
         (_, Kind::Number { .. }) if drawn => return Err(entry.wrong(path, wanted(key.kind) + " or a distribution")),
         _ => return Err(entry.wrong(path, wanted(key.kind))),
     })
+}
+
+/// Whether a form is one of numbers, such as a number or a word: they may stand without quotes.
+pub(super) fn is_of_numbers(form: fn(&str) -> Result<(), String>) -> bool {
+    form("1").is_ok() && form("any other text").is_err()
 }
 
 /// A text that must have a form; a number may have it too.

@@ -5,7 +5,7 @@ use serde_json::{Map, Value as Json, json};
 use super::{
     catalog::Catalog,
     layout::{Form, Section, sections},
-    reader::wanted,
+    reader::{is_of_numbers, wanted},
     sections::{Egos, Named},
 };
 use crate::keys::{Key, Keys, Kind, Value};
@@ -82,8 +82,8 @@ fn property(key: &Key, drawn: bool) -> Json {
         Kind::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice(words) => json!({ "enum": words }),
-        Kind::Form(_) => json!({ "type": ["string", "number"] }),
-        Kind::Text | Kind::File => json!({ "type": "string" }),
+        Kind::Form(form) if is_of_numbers(form) => json!({ "type": ["string", "number"] }),
+        Kind::Text | Kind::Form(_) | Kind::File => json!({ "type": "string" }),
         Kind::Texts | Kind::Files => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
     };
     property["description"] = json!(format!("{} ({})", key.help, wanted(key.kind)));
