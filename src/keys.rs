@@ -48,6 +48,17 @@ pub enum Kind {
         /// Largest allowed value.
         max: f64,
     },
+    /// A number as above, or a word.
+    NumberOr {
+        /// SI unit, "-" if none.
+        unit: &'static str,
+        /// Smallest allowed value.
+        min: f64,
+        /// Largest allowed value.
+        max: f64,
+        /// The word.
+        word: &'static str,
+    },
     /// A whole number, `min..=max`.
     Integer {
         /// Smallest allowed value.
@@ -77,6 +88,7 @@ impl Kind {
     pub fn within(self, unit: &'static str, min: f64, max: f64) -> Self {
         match self {
             Self::Number { .. } => Self::Number { unit, min, max },
+            Self::NumberOr { word, .. } => Self::NumberOr { unit, min, max, word },
             Self::Integer { .. } => Self::Integer { min: min as i64, max: max as i64 },
             other => other,
         }
@@ -99,13 +111,13 @@ pub struct Key {
 /// A checked value.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// From [`Kind::Number`].
+    /// From [`Kind::Number`] or [`Kind::NumberOr`].
     Number(f64),
     /// From [`Kind::Integer`].
     Integer(i64),
     /// From [`Kind::Flag`].
     Flag(bool),
-    /// From [`Kind::Choice`], [`Kind::Text`], [`Kind::Form`] or [`Kind::File`].
+    /// From [`Kind::NumberOr`], [`Kind::Choice`], [`Kind::Text`], [`Kind::Form`] or [`Kind::File`].
     Text(String),
     /// From [`Kind::Texts`] or [`Kind::Files`].
     Texts(Vec<String>),

@@ -103,6 +103,8 @@ fn what_the_program_refuses_is_refused() {
         "sumo.num_clients = 0",
         "sumo.options = [1]",
         "name = 7",
+        "traffic.headway_margin_s = \"fast\"",
+        "traffic.headway_margin_s = -0.1",
         "actuator.delay_s = \"250 ms\"",
         "actuator.delay_s = 250",
         "noise.power_db = { distribution = \"uniform\", min = 0, max = 1 }",

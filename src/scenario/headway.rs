@@ -5,8 +5,8 @@ use crate::{
     keys::{Kind, Setting, Value},
 };
 
-/// The largest margin that can be asked for \[s\].
-const MARGIN_MAX_S: f64 = 10.0;
+/// The word for [`HeadwayMargin::Auto`].
+const AUTO: &str = "auto";
 
 /// What is added to the vType's `tau`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,12 +18,6 @@ pub enum HeadwayMargin {
 }
 
 impl HeadwayMargin {
-    fn parse(text: &str) -> Result<Self, String> {
-        let seconds = || text.parse().ok().filter(|s| (0.0..=MARGIN_MAX_S).contains(s)).map(Self::Seconds);
-        let read = if text == "auto" { Some(Self::Auto) } else { seconds() };
-        read.ok_or_else(|| format!("a number in s from 0 to {MARGIN_MAX_S} or \"auto\""))
-    }
-
     /// The margin of a vehicle whose controller has this K_P, if it has one, [1/s] \[s\].
     pub fn of(self, vehicle: &VehicleSetup, k_p: Option<f64>) -> f64 {
         let rate = || k_p.filter(|k_p| *k_p > 0.0).map_or(0.0, |k_p| 1.0 / k_p);
@@ -36,16 +30,20 @@ impl HeadwayMargin {
 
 impl Setting for HeadwayMargin {
     type Literal = Self;
-    const KIND: Kind = Kind::Form(|text| Self::parse(text).map(drop));
+    const KIND: Kind = Kind::NumberOr { unit: "-", min: f64::MIN, max: f64::MAX, word: AUTO };
 
     fn from_value(value: &Value) -> Option<Self> {
-        if let Value::Text(text) = value { Self::parse(text).ok() } else { None }
+        match value {
+            Value::Number(margin_s) => Some(Self::Seconds(*margin_s)),
+            Value::Text(word) => (word == AUTO).then_some(Self::Auto),
+            _ => None,
+        }
     }
 
     fn to_value(&self) -> Option<Value> {
-        Some(Value::Text(match self {
-            Self::Auto => "auto".to_owned(),
-            Self::Seconds(margin_s) => margin_s.to_string(),
-        }))
+        Some(match self {
+            Self::Auto => Value::Text(AUTO.to_owned()),
+            Self::Seconds(margin_s) => Value::Number(*margin_s),
+        })
     }
 }

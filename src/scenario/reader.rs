@@ -169,10 +169,17 @@ pub(super) fn names<'a>(others: &[&'a str], keys: &'a [Key]) -> Vec<&'a str> {
 fn value(key: &Key, entry: &Entry, path: &str, drawn: bool) -> Result<Value, Mistake> {
     let file = |name: &str| existing(entry, path, name);
     Ok(match (&entry.node, key.kind) {
-        (Node::Number(x), Kind::Number { min, max, .. }) if (min..=max).contains(x) => Value::Number(*x),
-        (Node::Integer(x), Kind::Number { min, max, .. }) if (min..=max).contains(&(*x as f64)) => {
+        (Node::Number(x), Kind::Number { min, max, .. } | Kind::NumberOr { min, max, .. })
+            if (min..=max).contains(x) =>
+        {
+            Value::Number(*x)
+        }
+        (Node::Integer(x), Kind::Number { min, max, .. } | Kind::NumberOr { min, max, .. })
+            if (min..=max).contains(&(*x as f64)) =>
+        {
             Value::Number(*x as f64)
         }
+        (Node::Text(x), Kind::NumberOr { word, .. }) if x == word => Value::Text(x.clone()),
         (Node::Integer(x), Kind::Integer { min, max }) if (min..=max).contains(x) => Value::Integer(*x),
         (Node::Flag(x), Kind::Flag) => Value::Flag(*x),
         (Node::Text(x), Kind::Choice(words)) if words.contains(&x.as_str()) => Value::Text(x.clone()),
@@ -181,9 +188,9 @@ fn value(key: &Key, entry: &Entry, path: &str, drawn: bool) -> Result<Value, Mis
             return Err(entry.wrong(path, wanted(key.kind) + &near.unwrap_or_default()));
         }
         (Node::Text(x), Kind::Text) => Value::Text(x.clone()),
-        (Node::Text(x), Kind::Form(form)) => of_form(form, x, entry, path)?,
-        (Node::Number(x), Kind::Form(form)) if is_of_numbers(form) => of_form(form, &x.to_string(), entry, path)?,
-        (Node::Integer(x), Kind::Form(form)) if is_of_numbers(form) => of_form(form, &x.to_string(), entry, path)?,
+        (Node::Text(x), Kind::Form(form)) => {
+            form(x).map(|()| Value::Text(x.clone())).map_err(|wanted| entry.wrong(path, wanted))?
+        }
         (Node::Text(x), Kind::File) => Value::Text(file(x)?),
         (_, Kind::Texts) => Value::Texts(texts(entry, path)?),
         (_, Kind::Files) => Value::Texts(texts(entry, path)?.iter().map(|x| file(x)).collect::<Result<_, _>>()?),
@@ -192,21 +199,12 @@ fn value(key: &Key, entry: &Entry, path: &str, drawn: bool) -> Result<Value, Mis
     })
 }
 
-/// Whether a form is one of numbers, such as a number or a word: they may stand without quotes.
-pub(super) fn is_of_numbers(form: fn(&str) -> Result<(), String>) -> bool {
-    form("1").is_ok() && form("any other text").is_err()
-}
-
-/// A text that must have a form; a number may have it too.
-fn of_form(form: fn(&str) -> Result<(), String>, text: &str, entry: &Entry, path: &str) -> Result<Value, Mistake> {
-    form(text).map(|()| Value::Text(text.to_owned())).map_err(|wanted| entry.wrong(path, wanted))
-}
-
 /// What a kind takes, in words.
 pub(super) fn wanted(kind: Kind) -> String {
     match kind {
         Kind::Number { unit: "-", min, max } => numbers(min, max),
         Kind::Number { unit, min, max } => numbers(min, max).replacen("number", &format!("number in {unit}"), 1),
+        Kind::NumberOr { unit, min, max, word } => wanted(Kind::Number { unit, min, max }) + &format!(" or \"{word}\""),
         Kind::Integer { min, max } => format!("a whole number from {min} to {max}"),
         Kind::Flag => "true or false".to_owned(),
         Kind::Choice(words) => words.iter().map(|w| format!("\"{w}\"")).collect::<Vec<_>>().join(" or "),

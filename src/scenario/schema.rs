@@ -5,7 +5,7 @@ use serde_json::{Map, Value as Json, json};
 use super::{
     catalog::Catalog,
     layout::{Form, Section, sections},
-    reader::{is_of_numbers, wanted},
+    reader::wanted,
     sections::{Egos, Named},
 };
 use crate::keys::{Key, Keys, Kind, Value};
@@ -79,10 +79,10 @@ fn property(key: &Key, drawn: bool) -> Json {
             json!({ "anyOf": [number(min, max), normal, uniform] })
         }
         Kind::Number { min, max, .. } => number(min, max),
+        Kind::NumberOr { min, max, word, .. } => json!({ "anyOf": [number(min, max), { "const": word }] }),
         Kind::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Flag => json!({ "type": "boolean" }),
         Kind::Choice(words) => json!({ "enum": words }),
-        Kind::Form(form) if is_of_numbers(form) => json!({ "type": ["string", "number"] }),
         Kind::Text | Kind::Form(_) | Kind::File => json!({ "type": "string" }),
         Kind::Texts | Kind::Files => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
     };
