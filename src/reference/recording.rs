@@ -13,6 +13,8 @@ const STANDING_MPS: f64 = 0.5;
 const COARSE_S: f64 = 0.1;
 /// Faster than any road vehicle: such a sample is none [m/s].
 const IMPLAUSIBLE_MPS: f64 = 200.0;
+/// Quicker than any road vehicle spins [rad/s].
+const IMPLAUSIBLE_RADPS: f64 = 10.0;
 /// A recording with a longer gap is two (s).
 const GAP_S: f64 = 10.0;
 /// Intervals that differ by less from the mean one are those of a regular recording whose times were rounded.
@@ -183,6 +185,15 @@ fn recording(table: &Table, time: &Column, options: &RecordingOptions) -> Result
     // A sensor may say a little less than nothing while the vehicle stands.
     if let Some(row) = speed.values.iter().position(|v| *v < -STANDING_MPS) {
         return Err(table.error(row, speed, "a speed of at least 0"));
+    }
+    for (quantity, bound, what, unit) in [
+        (Quantity::SpeedY, IMPLAUSIBLE_MPS, "speed", "m/s"),
+        (Quantity::YawRate, IMPLAUSIBLE_RADPS, "yaw rate", "rad/s"),
+    ] {
+        let Some(column) = table.column(quantity) else { continue };
+        if let Some(row) = column.values.iter().position(|value| value.abs() > bound) {
+            return Err(table.error(row, column, &format!("a {what} between -{bound} and {bound} {unit}")));
+        }
     }
     let t_s: Vec<f64> = time.values.iter().map(|t| t - time.values[0]).collect();
     let average = Average::of(&t_s, options.smooth_s);

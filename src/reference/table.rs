@@ -29,30 +29,23 @@ const NAMES: &[(&str, Quantity)] = &[
     ("yaw_rate", Quantity::YawRate),
 ];
 
-/// Unit suffixes and what one of the unit is in SI.
-const UNITS: &[(&str, f64)] = &[
-    ("_mps", 1.0),
-    ("_kmh", 1.0 / 3.6),
-    ("_mph", 0.44704),
-    ("_radps", 1.0),
-    ("_degps", std::f64::consts::PI / 180.0),
-    ("_m", 1.0),
-    ("_s", 1.0),
-    ("_msec", 0.001),
-];
+/// The units of a quantity: how each ends a name, how loggers write it in brackets, and what one of it is in SI.
+type Units = &'static [(&'static str, &'static str, f64)];
 
-/// Units as loggers write them in brackets, and the suffix that means the same.
-const IN_BRACKETS: &[(&str, &str)] = &[
-    ("m/s", "_mps"),
-    ("km/h", "_kmh"),
-    ("kph", "_kmh"),
-    ("mph", "_mph"),
-    ("rad/s", "_radps"),
-    ("deg/s", "_degps"),
-    ("m", "_m"),
-    ("s", "_s"),
-    ("ms", "_msec"),
-];
+const SPEEDS: Units =
+    &[("_mps", "m/s", 1.0), ("_kmh", "km/h", 1.0 / 3.6), ("_kph", "kph", 1.0 / 3.6), ("_mph", "mph", 0.44704)];
+const YAW_RATES: Units = &[("_radps", "rad/s", 1.0), ("_degps", "deg/s", std::f64::consts::PI / 180.0)];
+
+impl Quantity {
+    fn units(self) -> Units {
+        match self {
+            Self::Position => &[("_m", "m", 1.0)],
+            Self::Time => &[("_s", "s", 1.0), ("_ms", "ms", 0.001)],
+            Self::Speed | Self::SpeedX | Self::SpeedY => SPEEDS,
+            Self::YawRate => YAW_RATES,
+        }
+    }
+}
 
 /// Lines in front of the header that a logger may write.
 const PREAMBLE_LINES: usize = 50;
@@ -62,24 +55,24 @@ enum Unit {
     None,
     /// One of it in SI.
     Si(f64),
+    /// None of the quantity's.
     Unknown(String),
 }
 
 /// The quantity and unit of a column that is called `name`: `speed_kmh`, `Speed (km/h)`, `speed [km/h]`.
 fn known(name: &str) -> Option<(Quantity, Unit)> {
-    let quantity = |base: &str| NAMES.iter().find(|(known, _)| *known == base).map(|(_, quantity)| *quantity);
     let lower = name.trim().to_lowercase();
-    if let Some((base, unit)) = lower.trim_end_matches([')', ']']).split_once(['(', '[']) {
-        let suffix = IN_BRACKETS.iter().find(|(written, _)| *written == unit.trim()).map(|(_, suffix)| *suffix);
-        let unit = suffix.and_then(|s| UNITS.iter().find(|(known, _)| *known == s)).map(|(_, si)| Unit::Si(*si));
-        let written =
-            || name.trim().trim_end_matches([')', ']']).split(['(', '[']).nth(1).unwrap_or_default().to_owned();
-        return Some((quantity(base.trim())?, unit.unwrap_or_else(|| Unit::Unknown(written()))));
-    }
-    match UNITS.iter().find(|(suffix, _)| lower.ends_with(suffix)) {
-        Some((suffix, si)) => Some((quantity(&lower[..lower.len() - suffix.len()])?, Unit::Si(*si))),
-        None => Some((quantity(&lower)?, Unit::None)),
-    }
+    NAMES.iter().find_map(|&(known, quantity)| {
+        let rest = lower.strip_prefix(known)?.trim_start();
+        let bracketed = rest.strip_prefix(['(', '[']).and_then(|unit| unit.strip_suffix([')', ']'])).map(str::trim);
+        let is_meant = |(suffix, written, _): &&(&str, &str, f64)| bracketed.map_or(*suffix == rest, |b| b == *written);
+        let unit = match (quantity.units().iter().find(is_meant), bracketed) {
+            (Some((.., si)), _) => Unit::Si(*si),
+            (None, Some(unit)) => Unit::Unknown(unit.to_owned()),
+            (None, None) => rest.is_empty().then_some(Unit::None)?,
+        };
+        Some((quantity, unit))
+    })
 }
 
 /// The text from its header on, with the other lines in front of it left empty, so that lines keep their numbers. The
@@ -189,7 +182,7 @@ impl Table {
                     }
                 }
                 Unit::Unknown(unit) => {
-                    let wanted = IN_BRACKETS.iter().map(|(unit, _)| *unit).collect::<Vec<_>>().join(", ");
+                    let wanted = quantity.units().iter().map(|(_, written, _)| *written).collect::<Vec<_>>().join(", ");
                     return Err(self.content(line, name, &format!("the unit \"{unit}\""), &format!("one of {wanted}")));
                 }
             };

@@ -110,6 +110,12 @@ fn broken_files_say_where_what_and_what_else() {
         ("t,vx\n0,5\n1,-3\n", ":3: vx: found -3, wanted a speed of at least 0"),
         ("t,vx\n0,5\n50,5\n", ":3: t: found 50, wanted at most 10 s after the row before"),
         ("t,vx (knots)\n0,5\n1,5\n", ":1: vx (knots): found the unit \"knots\", wanted one of m/s, km/h, kph, mph"),
+        ("t (m/s),vx (s)\n0,5\n1,5\n", ":1: t (m/s): found the unit \"m/s\", wanted one of s, ms"),
+        ("t,vx,vy\n0,5,0\n1,5,1e6\n", ":3: vy: found 1000000, wanted a speed between -200 and 200 m/s"),
+        (
+            "t,vx,yaw_rate\n0,5,0\n1,5,-1e6\n",
+            ":3: yaw_rate: found -1000000, wanted a yaw rate between -10 and 10 rad/s",
+        ),
         ("t,vx\n0,5\n0,5\n", ":3: t: found 0, wanted more than the row before"),
     ] {
         let file = file(content);
@@ -224,6 +230,7 @@ fn headers_are_read_as_loggers_write_them() {
         "# time(s),vx(m/s)\n0,10\n1,10\n",
         "Session 4\nDriver,A. Nobody\n\nTime (ms),Speed (km/h)\n0,36\n1000,36\n",
         "t_s,speed [m/s]\n0,10\n1,10\n",
+        "time_ms,vx_kph\n0,36\n1000,36\n",
         "Time,Speed (MPH)\n0,22.369363\n1,22.369363\n",
         "# time, speed: of the second run\nt_s,vx_mps\n0,10\n1,10\n",
     ] {
