@@ -1,12 +1,13 @@
 //! The command line: data on stdout, everything else on stderr, exit code 1 for whatever went wrong.
 //!
-//! A crate with a law, body, target or plant of its own gets the whole command line with it from a `main` of three lines:
+//! A crate with a law, body, target or plant of its own gets the whole command line with it from two lines:
 //! ```no_run
-//! # use sumo_mfc::{control::{self, Controller}, keys::NoKeys, scenario::Catalog};
-//! # fn law() -> sumo_mfc::registry::Entry<control::Build> { unimplemented!() }
-//! fn main() -> std::process::ExitCode {
-//!     let catalog = Catalog::installed().with_controller(law()).expect("a name of its own");
-//!     sumo_mfc::cli::main(&catalog)
+//! use std::process::ExitCode;
+//! use sumo_mfc::{cli, control::Build, registry::Entry, scenario::Catalog};
+//!
+//! fn command_line(law: Entry<Build>) -> ExitCode {
+//!     let catalog = Catalog::installed().with_controller(law).expect("a name of its own");
+//!     cli::main(&catalog)
 //! }
 //! ```
 

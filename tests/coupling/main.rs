@@ -243,6 +243,18 @@ fn hand_back_restores_what_was_changed() {
 }
 
 #[test]
+fn who_creeps_is_counted_on_its_way_and_at_the_end() {
+    let slow = |id, lane| Car { speed_max_mps: 0.5, ..Car::new(id, lane, 0) };
+    let arrives = Car { arrives_at_m: 35.0, ..slow("arrives", 0) };
+    let mut world = world(Fake::new([arrives, slow("stays", 1), Car::new("brisk", 2, 0)]), &[]);
+    step(&mut world, 590);
+    assert_eq!((world.egos().len(), world.records().counters.crept), (3, 0), "not yet");
+    step(&mut world, 150);
+    assert_eq!((world.egos().len(), world.records().counters.crept), (2, 1), "one has arrived");
+    assert_eq!(end(world).counters.crept, 2);
+}
+
+#[test]
 fn the_driver_allows_for_the_actuation_until_hand_back() {
     let of_car = |sets: &[&str]| {
         let sets = [&["actuator.delay_s=0.25", "actuator.lag_s=0.125"][..], sets].concat();

@@ -343,6 +343,38 @@ fn an_id_that_is_used_twice_has_two_rows() {
     }
 }
 
+/// Behind a slow car the driver keeps what it allows for on top of its own headway.
+#[test]
+fn drivers_keep_the_headway_that_they_are_given() {
+    let pair = r#"<vType id="slow" accel="2.6" decel="4.5" sigma="0" speedFactor="1" speedDev="0" maxSpeed="10"/>
+        <vehicle id="a" type="slow" depart="0"><route edges="ab bc"/></vehicle>
+        <vehicle id="b" type="car" depart="5"><route edges="ab bc"/></vehicle>"#;
+    for version in [NEW, OLD] {
+        let behind_s = |args: &[&str]| {
+            let result = on_the_road(version, pair, &[&["--end", "150", "--trace", "all"], args].concat());
+            let trace = result.table("trace.csv");
+            let last = |id| trace.iter().rfind(|row| row["id"] == id).unwrap();
+            (number(last("a"), "distance") - number(last("b"), "distance")) / number(last("b"), "speed")
+        };
+        let plain_s = behind_s(&[]);
+        let wide_s = behind_s(&["--set", "traffic.headway_margin_s=2"]);
+        let auto_s = behind_s(&["--set", "traffic.headway_margin_s=auto", "--set", "controller.k_p=1"]);
+        assert!((wide_s - plain_s - 2.0).abs() < 0.15, "SUMO {version}: {plain_s} s, {wide_s} s");
+        assert!((auto_s - plain_s - 1.0).abs() < 0.15, "SUMO {version}: {plain_s} s, {auto_s} s");
+    }
+}
+
+#[test]
+fn who_crept_is_told() {
+    let demand = r#"<vType id="snail" accel="2.6" decel="4.5" sigma="0" speedFactor="1" speedDev="0" maxSpeed="0.5"/>
+        <vehicle id="a" type="car" depart="0"><route edges="ab bc"/></vehicle>
+        <vehicle id="b" type="snail" depart="5"><route edges="ab bc"/></vehicle>"#;
+    let said = |end| on_the_road(NEW, demand, &["--end", end]).ended.stderr;
+    let line = "1 of 2 equipped vehicles crept: they moved for more than 60 s without exceeding 1 m/s";
+    assert!(said("90").contains(line), "{}", said("90"));
+    assert!(!said("60").contains("crept"), "{}", said("60"));
+}
+
 /// With an end set a run goes on to it, and without one to the last vehicle, also where calibrators bring all of them.
 #[test]
 fn a_moment_without_vehicles_ends_nothing() {
