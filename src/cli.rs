@@ -34,8 +34,9 @@ use crate::{
 
 /// Does what the arguments of the program ask for, with what `catalog` offers. Returns the exit code.
 pub fn main(catalog: &Catalog) -> ExitCode {
-    // Long paths stay whole, so that they can be copied and searched for.
-    let _ = miette::set_hook(Box::new(|_| Box::new(MietteHandlerOpts::new().wrap_lines(false).build())));
+    // Long paths stay whole, so that they can be copied and searched for. Every error tells its causes itself.
+    let handler = || MietteHandlerOpts::new().wrap_lines(false).without_cause_chain().build();
+    let _ = miette::set_hook(Box::new(move |_| Box::new(handler())));
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(usage) => {
@@ -80,14 +81,15 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     if !args.quiet {
         notes(&result.notes);
     }
-    print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
+    if !args.quiet {
+        print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
+    }
     if let Some(profile) = result.profile {
         print(&profile.to_string())?;
     }
     Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
 }
 
-/// Paired runs: the same seed gives every controller the same traffic, vehicles and noise.
 /// Tells on stderr what happens inside: with `-v`, or as the variable RUST_LOG says (a level such as `debug`).
 fn log(verbose: bool) -> miette::Result<()> {
     let wanted = std::env::var("RUST_LOG").ok().filter(|level| !level.is_empty());
@@ -103,6 +105,7 @@ fn log(verbose: bool) -> miette::Result<()> {
     Ok(())
 }
 
+/// Paired runs: the same seed gives every controller the same traffic, vehicles and noise.
 fn compare(args: &CompareArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     let seeds = parse_seeds(&args.seeds).into_diagnostic()?;
     let mut pairs = args.controllers.iter().flat_map(|c| seeds.iter().map(move |s| (c, *s)));

@@ -1,7 +1,7 @@
 //! The coupling of fleet and SUMO, in every SUMO step:
 //!
-//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then the step. While SUMO makes
-//!    it, messages follow that ask for the speed and heading of every ego.
+//! 1. For every ego `setPreviousSpeed(V, a)`: SUMO takes the body's speed for the car's. Then the step. Of every ego that
+//!    is still there, speed and heading are asked.
 //! 2. The speed that comes back is v*, what SUMO's car-following, lights, right of way and stops chose from there.
 //! 3. Body and controller run the *same* interval after the reply, along the ramp to v* (see
 //!    [`crate::fleet::block`]). The speed that they reach is sent at once.
@@ -24,6 +24,7 @@ mod creep;
 mod egos;
 mod error;
 mod events;
+mod lanes;
 mod leader;
 mod observation;
 mod question;
@@ -31,6 +32,7 @@ mod readings;
 mod records;
 mod roads;
 pub mod self_check;
+mod setup;
 mod subscriptions;
 mod sumo;
 mod traci_link;
@@ -44,6 +46,7 @@ pub use events::Events;
 pub use question::{Gets, NoAnswer, Object, Question};
 pub use records::{Counters, Finished, Reason, Records};
 pub use roads::Roads;
+pub use setup::WorldSetup;
 pub use sumo::{Joined, Sumo, Tell};
 pub use traci_link::TraciLink;
-pub use world::{World, WorldSetup};
+pub use world::World;

@@ -9,6 +9,7 @@ pub mod block;
 mod driver;
 pub mod follow;
 mod setup;
+mod snapshot;
 pub mod steering;
 
 use crate::lanes::{InstructionSet, LANES};
@@ -18,6 +19,7 @@ use block::Block;
 use follow::Follow;
 use rayon::prelude::*;
 pub use setup::{ActuatorSetup, GroupSetup, LoopConfig, VehicleSetup};
+pub use snapshot::Snapshot;
 use std::ops::Range;
 use std::time::Duration;
 

@@ -22,6 +22,7 @@ mod schema;
 mod sections;
 mod selector;
 mod spread;
+mod trace;
 
 pub use catalog::Catalog;
 pub use document::Override;
@@ -31,9 +32,10 @@ pub use load::Request;
 pub use model::{Choice, Group, Preset, Scenario, Vehicle};
 pub use print::template;
 pub use schema::schema;
-pub use sections::{Coupling, Output, Trace, Traffic};
+pub use sections::{Coupling, Output, Traffic};
 pub use selector::{EgoInfo, Selector};
 pub use spread::{Distribution, PerVehicle};
+pub use trace::{Trace, TraceRows};
 
 #[cfg(test)]
 mod tests;

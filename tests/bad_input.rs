@@ -144,6 +144,21 @@ fn wrong_units_types_and_ranges() {
     );
 }
 
+/// What the system says stands once in a message, not again as its cause.
+#[test]
+fn a_cause_is_told_once() {
+    let folder = folder();
+    for (arguments, said) in [
+        (&["run", "nowhere.toml"][..], "No such file or directory (os error 2)"),
+        (&["run", "scenario.toml", "-o", "scenario.toml/below"], "Not a directory (os error 20)"),
+        (&["run", "scenario.toml", "--connect", "127.0.0.1:1"], "Connection refused (os error 111)"),
+    ] {
+        let output = command(&folder, arguments).output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!((output.status.code(), message.matches(said).count()), (Some(1), 1), "{arguments:?}: {message}");
+    }
+}
+
 #[test]
 fn unknown_names() {
     let folder = folder();

@@ -72,13 +72,14 @@ fn seen(block: &mut Block, slot: usize) -> Vec<u64> {
     let of_plant = [state.vx_mps, state.vy_mps, state.yaw_rate_radps, block.distance_m(slot)];
     let accelerations = block.plant().acceleration_mps2.map(|column| column[slot]);
     let road = [inputs.steer_rad, inputs.grade_rad, inputs.bank_rad, inputs.headwind_mps].map(|column| column[slot]);
-    let of_loop = [block.torque_nm(slot), block.target_mps(slot), block.reference_mps(slot), block.measured_mps(slot)];
+    let shown = block.snapshot(slot);
+    let of_loop = [shown.torque_nm, shown.target_mps, shown.reference_mps, shown.measured_mps];
     let ends = [block.acceleration_mps2(slot), block.sumo_mps(slot), f64::from(u8::from(block.rests(slot)))];
     let (limits, sums, stats) = (block.acceleration_limits_mps2(slot), block.take_sums(slot), block.stats(slot));
-    let of_law = [block.alpha_ratio(slot), block.f_hat_mps2(slot)];
+    let of_law = [shown.alpha_ratio, shown.f_hat_mps2];
     let sums = [sums.samples as f64, sums.error_mps, sums.error_squared, sums.speed_mps];
     let numbers = of_plant.into_iter().chain(state.wheel_speed_radps).chain(accelerations).chain(road).chain(of_loop);
-    let numbers = numbers.chain(ends).chain(limits).chain(of_law).chain(sums).chain(block.slip(slot));
+    let numbers = numbers.chain(ends).chain(limits).chain(of_law).chain(sums).chain(shown.slip);
     // Every statistic: the shortest text that gives the same number back.
     numbers.map(f64::to_bits).chain(format!("{stats:?}").bytes().map(u64::from)).collect()
 }

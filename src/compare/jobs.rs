@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 /// A run of a comparison failed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the run of {controller} with seed {seed} failed")]
+#[error("the run of {controller} with seed {seed} failed: {source}")]
 pub struct RunFailed<E: std::error::Error + 'static> {
     /// The controller.
     pub controller: String,

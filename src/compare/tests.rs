@@ -145,7 +145,7 @@ fn the_terminal_shows_one_table() {
 
 #[test]
 fn a_run_without_samples_shows_a_dash() {
-    let empty = |_: &str, _: u64| Ok::<_, std::io::Error>(Summary::new(&[], [0; 3], SumoTotals::default(), [0.0; 2]));
+    let empty = |_: &str, _: u64| Ok::<_, std::io::Error>(Summary::new(&[], [0; 4], SumoTotals::default(), [0.0; 2]));
     let rows = run_all(&names(&["ideal", "pid"]), &[1, 2], 1, empty).unwrap();
     assert_eq!(rows[1].metrics[2], Measured::default());
     assert!(terminal_table(&rows).contains(" - "));

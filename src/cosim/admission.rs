@@ -43,6 +43,8 @@ pub struct Rules {
 pub struct Wanted {
     /// What body-leads mode changes.
     pub before: bool,
+    /// Its lane.
+    pub lane: bool,
     /// Its driver imperfection.
     pub imperfection: bool,
     /// Its desired time headway.
@@ -90,8 +92,10 @@ pub struct Departed {
     pub imperfection: Option<f64>,
     /// Its desired time headway, if that is changed \[s\].
     pub headway_s: Option<f64>,
-    /// What body-leads mode changes, and the lane, if bodies lead.
-    pub before: Option<(Before, String)>,
+    /// What body-leads mode changes, if bodies lead.
+    pub before: Option<Before>,
+    /// Its lane, if that matters.
+    pub lane: Option<String>,
 }
 
 impl Admission {
@@ -167,8 +171,7 @@ impl Admission {
     async fn learn_types<S: Sumo>(&mut self, sumo: &mut S, vehicles: &[Departed]) -> Result<(), CosimError> {
         let unknown: BTreeSet<&str> =
             vehicles.iter().map(|v| v.type_id.as_str()).filter(|id| !self.types.contains_key(*id)).collect();
-        // Vehicles of a type whose id is too long are refused.
-        let objects: Vec<Object> = unknown.into_iter().filter_map(|id| Object::new(id).ok()).collect();
+        let objects: Vec<Object> = unknown.into_iter().map(Object::known).collect();
         let asked = sumo.ask(objects.iter().map(|object| (object, TypeQuestion(object.id.to_string()))))?;
         let types = &mut self.types;
         sumo.answers(asked, |TypeQuestion(id), answer| types.extend(answer.ok().flatten().map(|facts| (id, facts))))
@@ -184,7 +187,9 @@ impl Admission {
             return Ok(None);
         };
         let Some(facts) = self.types.get(&departed.type_id) else {
-            counters.refused.push((id.to_string(), "the id of its vType is too long".to_owned()));
+            counters
+                .refused
+                .push((id.to_string(), format!("SUMO does not tell about its vType \"{}\"", departed.type_id)));
             return Ok(None);
         };
         if preset_of_class(&facts.class).is_none() {
@@ -198,10 +203,17 @@ impl Admission {
         let Rules { groups, tyre_curves, seed, .. } = &self.rules;
         let curve = tyre_curves[group].as_deref();
         let setup = bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
+        let has_body = groups[group].has_body();
+        if has_body && !counters.beyond_body.contains_key(&departed.type_id) {
+            let (asked, given) = ([facts.accel_mps2, facts.emergency_decel_mps2], setup.body.acceleration_max_mps2());
+            if asked[0] > given[0] || asked[1] > given[1] {
+                counters.beyond_body.insert(departed.type_id.clone(), [asked, given]);
+            }
+        }
         let margin_s = self
             .rules
             .headway
-            .filter(|_| groups[group].has_body())
+            .filter(|_| has_body)
             .map(|margin| margin.of(&setup, groups[group].controller.values.get("k_p")));
         let headway_s = departed.headway_s.zip(margin_s).map(|(headway_s, margin_s)| headway_s + margin_s);
         Ok(Some(Newcomer { departed, group, action_step_s: facts.action_step_s, headway_s, setup }))
@@ -236,10 +248,10 @@ impl Question for VehicleQuestion {
         let parameters = parameters(gets, vehicle::PARAMETER);
         let imperfection = if self.wanted.imperfection { gets.number(vehicle::IMPERFECTION) } else { None };
         let headway_s = if self.wanted.headway { gets.number(vehicle::TAU) } else { None };
-        let before =
-            if self.wanted.before { Before::ask(gets).zip(gets.text(vehicle::LANE).map(str::to_owned)) } else { None };
+        let before = if self.wanted.before { Before::ask(gets) } else { None };
+        let lane = if self.wanted.lane { gets.text(vehicle::LANE).map(str::to_owned) } else { None };
         let (object, type_id) = (self.object.clone(), type_id?.to_owned());
-        Some(Departed { object, type_id, speed_mps, odometer_m, parameters, imperfection, headway_s, before })
+        Some(Departed { object, type_id, speed_mps, odometer_m, parameters, imperfection, headway_s, before, lane })
     }
 }
 

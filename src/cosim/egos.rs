@@ -32,6 +32,10 @@ pub struct Ego {
     pub presence: Presence,
     /// True once SUMO has teleported it.
     pub teleported: bool,
+    /// True from the end of a teleport or jump until the odometer is read again.
+    pub carried: bool,
+    /// Its lane, if that is asked.
+    pub lane: String,
     /// SUMO's odometer when the body started at 0 \[m\].
     pub odometer_offset_m: f64,
     /// SUMO's odometer minus the body's, as last read \[m\].

@@ -35,6 +35,14 @@ pub enum CosimError {
         /// What it should be.
         wanted: String,
     },
+    /// Rows of the trace would not fall on the ends of control periods.
+    #[error("output.trace_period_s: found {trace_s}, wanted {wanted}")]
+    TracePeriod {
+        /// Time between rows \[s\].
+        trace_s: f64,
+        /// What it should be.
+        wanted: String,
+    },
     /// SUMO's step is not a whole number of control periods.
     #[error("SUMO steps by {step_s} s, which is not a whole number of control periods of {period_s} s")]
     Step {

@@ -30,6 +30,7 @@ pub struct Before {
     accel_mps2: f64,
     decel_mps2: f64,
     speed_mode: i32,
+    speed_max_mps: f64,
 }
 
 impl Before {
@@ -39,11 +40,13 @@ impl Before {
         let accel_mps2 = gets.number(vehicle::ACCEL);
         let decel_mps2 = gets.number(vehicle::DECEL);
         let speed_mode = gets.integer(vehicle::SPEED_MODE);
+        let speed_max_mps = gets.number(vehicle::MAX_SPEED);
         Some(Self {
             speed_factor: speed_factor?,
             accel_mps2: accel_mps2?,
             decel_mps2: decel_mps2?,
             speed_mode: speed_mode?,
+            speed_max_mps: speed_max_mps?,
         })
     }
 }
@@ -52,9 +55,10 @@ impl Before {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leader {
     before: Before,
-    /// The lane that it is on, and its limit [m/s].
-    pub(super) lane: String,
-    pub(super) limit_mps: f64,
+    /// The limit of its lane [m/s].
+    pub limit_mps: f64,
+    /// Time lost so far \[s\].
+    pub time_loss_s: f64,
     /// The speed that SUMO was told last [m/s].
     command_mps: f64,
     /// The speed that SUMO allowed instead, while it does [m/s].
@@ -63,8 +67,8 @@ pub struct Leader {
 
 impl Leader {
     /// A vehicle at `speed_mps` [m/s], which is its limit until that of its lane is known.
-    pub fn new(before: Before, lane: String, speed_mps: f64) -> Self {
-        Self { before, lane, limit_mps: speed_mps, command_mps: speed_mps, clamp_mps: None }
+    pub fn new(before: Before, speed_mps: f64) -> Self {
+        Self { before, limit_mps: speed_mps, time_loss_s: 0.0, command_mps: speed_mps, clamp_mps: None }
     }
 
     /// Changes the vehicle so that its body can lead.
@@ -112,6 +116,15 @@ impl Leader {
     /// The next command.
     pub fn command(&self) -> Tell {
         Tell::Speed(self.command_mps)
+    }
+
+    /// Counts the time that a step at this speed loses against the fastest that the vehicle would drive here by its own
+    /// speed factor, as SUMO's `timeLoss` does (which counts against the factor that it has meanwhile). Stops lose none.
+    pub fn lose_time(&mut self, sumo_mps: f64, stopped: bool, step_s: f64) {
+        let fastest_mps = self.before.speed_max_mps.min(self.limit_mps * self.before.speed_factor);
+        if !stopped && fastest_mps > 0.0 {
+            self.time_loss_s += step_s * (fastest_mps - sumo_mps) / fastest_mps;
+        }
     }
 
     /// Compares SUMO's speed with the command; true if SUMO clamped it.

@@ -1,13 +1,16 @@
 //! What is read of an ego in every step, and what becomes of it. A further variable is a line in
 //! [`EgoQuestion::answer`], a field of [`Observation`] and its use in [`Observation::apply`].
 
-use super::body_leads::LaneLimits;
 use super::egos::{Ego, Presence};
+use super::lanes::Lanes;
 use super::question::{Gets, Question};
 use crate::fleet::Slot;
 use crate::fleet::block::Block;
 use crate::fleet::follow::Bound;
 use crate::traci::vehicle;
+
+/// The bit of a vehicle that stops as planned, in SUMO's stop state.
+const STOPPED: i32 = 1;
 
 /// The question about an ego after a step. What both sides know is not asked.
 #[derive(Debug, Clone, Copy)]
@@ -16,8 +19,10 @@ pub struct EgoQuestion {
     pub slot: Slot,
     /// Its heading; a body that stands needs none.
     pub heading: bool,
-    /// Its lane; only needed where the body leads.
+    /// Its lane, if its body leads or feels the friction.
     pub lane: bool,
+    /// Whether it stops as planned, if its body leads.
+    pub stop: bool,
     /// The slope of its road; only if bodies feel it.
     pub slope: bool,
 }
@@ -31,6 +36,8 @@ pub struct Observation<'a> {
     heading_deg: Option<f64>,
     /// Lane.
     lane: Option<&'a str>,
+    /// SUMO's bits about stops.
+    stop: Option<i32>,
     /// Slope of the road, uphill positive \[degrees\].
     slope_deg: Option<f64>,
 }
@@ -44,6 +51,7 @@ impl Question for EgoQuestion {
             speed_mps: gets.number(vehicle::SPEED),
             heading_deg: if self.heading { gets.number(vehicle::ANGLE) } else { None },
             lane: if self.lane { gets.text(vehicle::LANE) } else { None },
+            stop: if self.stop { gets.integer(vehicle::STOP_STATE) } else { None },
             slope_deg: if self.slope { gets.number(vehicle::SLOPE) } else { None },
         }
     }
@@ -51,22 +59,23 @@ impl Question for EgoQuestion {
 
 impl EgoQuestion {
     /// All that may ever be asked of an ego.
-    pub fn whole(ego: &Ego, slope: bool) -> Self {
-        Self { slot: ego.slot, heading: true, lane: ego.leader.is_some(), slope }
+    pub fn whole(ego: &Ego, lanes: &Lanes, slope: bool) -> Self {
+        let leads = ego.leader.is_some();
+        Self { slot: ego.slot, heading: true, lane: leads || lanes.have_friction(), stop: leads, slope }
     }
 
     /// What is asked of it now.
-    pub fn now(ego: &Ego, block: &Block, slope: bool) -> Self {
-        Self { heading: !block.stands(ego.slot.lane()), ..Self::whole(ego, slope) }
+    pub fn now(ego: &Ego, block: &Block, lanes: &Lanes, slope: bool) -> Self {
+        Self { heading: !block.stands(ego.slot.lane()), ..Self::whole(ego, lanes, slope) }
     }
 }
 
 impl Observation<'_> {
     /// Writes what SUMO shows into the ego and its columns, before the body follows it.
-    pub fn apply(&self, ego: &mut Ego, block: &mut Block, limits: &mut LaneLimits, step_s: f64) {
+    pub fn apply(&self, ego: &mut Ego, block: &mut Block, lanes: &mut Lanes, step_s: f64) {
         let lane = ego.slot.lane();
-        if let (Some(leader), Some(id)) = (&mut ego.leader, self.lane) {
-            limits.see_lane(leader, id);
+        if let Some(id) = self.lane {
+            lanes.see(ego, block, id);
         }
         if let Some(slope_deg) = self.slope_deg {
             block.set_grade(lane, slope_deg.to_radians());
@@ -80,6 +89,7 @@ impl Observation<'_> {
         };
         if ego.presence == Presence::Teleporting {
             ego.presence = Presence::Driving;
+            ego.carried = true;
             block.appear(lane, speed_mps);
         }
         block.see_speed(lane, speed_mps);
@@ -88,6 +98,7 @@ impl Observation<'_> {
         match &mut ego.leader {
             None => block.set_target(lane, speed_mps, Bound::Traffic),
             Some(leader) => {
+                leader.lose_time(speed_mps, self.stop.is_some_and(|bits| bits & STOPPED != 0), step_s);
                 if leader.see_speed(speed_mps) {
                     block.set_bound(lane, Bound::Clamp);
                 }

@@ -26,6 +26,12 @@ impl Object {
         let id = id.into();
         Ok(Self { prefix: Prefix::new(&id)?, id })
     }
+
+    /// An object that SUMO has named and keeps; its id may have any length.
+    pub fn known(id: impl Into<Arc<str>>) -> Self {
+        let id = id.into();
+        Self { prefix: Prefix::of_known(&id), id }
+    }
 }
 
 /// Values of one object. `None`: SUMO has no value now (a vehicle that teleports has no speed), or declined.

@@ -1,6 +1,6 @@
 //! Odometers and roads, read once a second, when bodies and SUMO's cars are at the same instant.
 
-use super::egos::EgoTable;
+use super::egos::{EgoTable, Presence};
 use super::error::CosimError;
 use super::question::{Gets, NoAnswer, Question};
 use super::roads::Roads;
@@ -41,14 +41,18 @@ impl Readings {
         step.is_multiple_of(self.every)
     }
 
-    /// Asks about every ego, or about none, in the memory of the last questions. SUMO looks the values up while the bodies drive to the same instant.
+    /// Asks about every ego, or only about those that were carried to another place, in the memory of the last questions.
+    /// SUMO looks the values up while the bodies drive to the same instant.
     pub fn ask<S: Sumo>(
         due: bool,
         room: S::Asked<ReadingQuestion>,
         sumo: &mut S,
         egos: &EgoTable,
     ) -> Result<S::Asked<ReadingQuestion>, CosimError> {
-        sumo.ask_in(room, egos.iter().filter(|_| due).map(|ego| (&ego.object, ReadingQuestion(ego.slot))))
+        sumo.ask_in(
+            room,
+            egos.iter().filter(|ego| due || ego.carried).map(|ego| (&ego.object, ReadingQuestion(ego.slot))),
+        )
     }
 
     /// Takes the answers: odometers are compared, and what a body did since the last reading goes to the road that it is
@@ -63,8 +67,14 @@ impl Readings {
         let note = |ReadingQuestion(slot): ReadingQuestion, answer: Result<Reading<'_>, NoAnswer>| {
             let (Ok(reading), Some(ego)) = (answer, egos.get_mut(slot)) else { return };
             let (block, lane) = (fleet.block_mut(slot), slot.lane());
-            if let Some(odometer_m) = reading.odometer_m {
-                ego.odometer_gap_m = Some(odometer_m - ego.odometer_offset_m - block.distance_m(lane));
+            if let Some(odometer_m) = reading.odometer_m.filter(|_| ego.presence == Presence::Driving) {
+                let gap_m = odometer_m - ego.odometer_offset_m - block.distance_m(lane);
+                if std::mem::take(&mut ego.carried) {
+                    // What it was carried is no difference between the two ways.
+                    ego.odometer_offset_m += gap_m - ego.odometer_gap_m.unwrap_or(0.0);
+                } else {
+                    ego.odometer_gap_m = Some(gap_m);
+                }
             }
             if let Some(road) = reading.road.filter(|road| !road.is_empty()) {
                 let sums = block.take_sums(lane);

@@ -74,6 +74,8 @@ pub struct Finished {
     pub odometer_gap_m: Option<f64>,
     /// Number of pairs of colliding vehicles that it was in.
     pub collisions: u32,
+    /// Time lost against its own speed factor, if its body led \[s\].
+    pub time_loss_s: Option<f64>,
 }
 
 /// Counters of all vehicles, egos or not.
@@ -93,6 +95,8 @@ pub struct Counters {
     pub unequipped: u64,
     /// Egos that crept: they moved for more than [`super::LONG_S`] without exceeding [`super::SLOW_MPS`].
     pub crept: u64,
+    /// vTypes whose accel or emergencyDecel [m/s²] is more than their bodies can give, with both and what the bodies give.
+    pub beyond_body: BTreeMap<String, [[f64; 2]; 2]>,
     /// Departed vehicles that were to be egos but cannot be, with the reason.
     pub refused: Vec<(String, String)>,
 }
@@ -132,6 +136,7 @@ impl Records {
             stats: fleet.release(slot),
             distance_m,
             odometer_gap_m: ego.odometer_gap_m,
+            time_loss_s: ego.leader.map(|leader| leader.time_loss_s),
         });
     }
 

@@ -5,8 +5,9 @@
 
 use super::error::CosimError;
 use super::question::{Gets, NoAnswer, Object, Question};
+use super::setup::WorldSetup;
 use super::sumo::Sumo;
-use super::world::{World, WorldSetup};
+use super::world::World;
 use crate::traci::vehicle;
 
 /// The files of the check's scenario, by name; the last one is the scenario itself.

@@ -57,6 +57,9 @@ pub trait Sumo {
     /// The end that SUMO's configuration asks for \[s\]; negative without one.
     fn end_s(&mut self) -> impl Future<Output = Result<f64, CosimError>>;
 
+    /// An option that SUMO runs with, by its name; `None` if it has none of that name.
+    fn option(&mut self, name: &str) -> impl Future<Output = Result<Option<String>, CosimError>>;
+
     /// Tells SUMO something about a vehicle, at the latest with the next step. If SUMO does not know the vehicle any
     /// more, nothing happens.
     fn tell(&mut self, vehicle: &Object, what: Tell) -> Result<(), CosimError>;

@@ -1,8 +1,8 @@
 //! The seam over TraCI: messages of many commands, several of them under way at a time.
 //!
-//! Vehicles are asked about by gets in messages behind the step. This is cheaper for SUMO than subscriptions, but each
-//! get for a vehicle that arrived in the step is a line on SUMO's console. Where other clients share SUMO, and the console
-//! is not ours, vehicles are subscribed to, and everything is told in the message of the step.
+//! Vehicles are asked about by gets in messages behind the step. This is cheaper for SUMO than subscriptions. Where other
+//! clients share SUMO, and may take a vehicle out at any time, vehicles are subscribed to (a get for one that has left is
+//! an error in SUMO's log), and everything is told in the message of the step.
 
 use super::error::CosimError;
 use super::events::Events;
@@ -10,7 +10,7 @@ use super::question::{Gets, NoAnswer, Object, Question};
 use super::subscriptions::{Subscriptions, Variables};
 use super::sumo::{Joined, Sumo, Tell};
 use crate::traci::{
-    Batch, BatchError, Block, Client, Domain, Never, Reply, Subscribed, Ticket, Value, Var, simulation, vehicle,
+    Batch, BatchError, Block, Client, Domain, Error, Never, Reply, Subscribed, Ticket, Value, Var, simulation, vehicle,
 };
 use std::sync::Arc;
 use std::time::Duration;
@@ -89,6 +89,14 @@ impl Sumo for TraciLink {
 
     async fn end_s(&mut self) -> Result<f64, CosimError> {
         Ok(self.client.get(simulation::END, "").await?)
+    }
+
+    async fn option(&mut self, name: &str) -> Result<Option<String>, CosimError> {
+        match self.client.get(simulation::OPTION, name).await {
+            Ok(value) => Ok(Some(value)),
+            Err(Error::Refused { .. }) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
     }
 
     fn tell(&mut self, object: &Object, what: Tell) -> Result<(), CosimError> {
@@ -273,11 +281,13 @@ struct Writer<'b> {
 
 impl<'a> Gets<'a> for Writer<'_> {
     fn value(&mut self, domain: Domain, variable: u8, key: Option<&str>) -> Option<Value<'a>> {
-        let Object { id, prefix } = self.object;
+        let prefix = &self.object.prefix;
         // What the answers are is known to the question.
         let written = match key {
             None => self.batch.get_by_prefix(Var::<f64>::new(domain, variable), prefix).map(drop),
-            Some(key) => self.batch.get_with(Var::<f64, Never, String>::new(domain, variable), id, key).map(drop),
+            Some(key) => {
+                self.batch.get_with_by_prefix(Var::<f64, Never, String>::new(domain, variable), prefix, key).map(drop)
+            }
         };
         self.failed = self.failed.take().or(written.err());
         None

@@ -1,23 +1,25 @@
 //! Fleet and SUMO, stepping together. [`World::step`] is one SUMO step from its beginning to its end; everything that it
 //! calls stands in a file of its own.
 
-use super::admission::{Admission, Newcomer, Rules, Wanted};
+use super::admission::{Admission, Newcomer, Wanted};
 use super::body_leads::BodyLeads;
 use super::creep::Creep;
 use super::egos::{Ego, EgoTable, Presence};
 use super::error::CosimError;
 use super::events::Events;
+use super::lanes::Lanes;
 use super::leader::Leader;
 use super::observation::EgoQuestion;
 use super::question::NoAnswer;
 use super::readings::{ReadingQuestion, Readings};
 use super::records::{Finished, Reason, Records};
+use super::setup::WorldSetup;
 use super::sumo::{Sumo, Tell};
 use super::traci_link::TraciLink;
 use crate::fleet::block::Block;
 use crate::fleet::follow::Follow;
-use crate::fleet::{Fleet, FleetTime, GroupSetup, LoopConfig, Slot};
-use crate::reference::Target;
+use crate::fleet::{Fleet, FleetTime, Slot};
+use crate::scenario::{Trace, TraceRows};
 use crate::traci::Client;
 use std::ops::Range;
 use std::sync::Arc;
@@ -25,24 +27,6 @@ use std::time::Duration;
 
 /// Blocks of the fleet in one chunk: enough work to be worth two messages of its own.
 const BLOCKS_PER_CHUNK: usize = 16;
-
-/// What a world is made of.
-pub struct WorldSetup {
-    /// Who becomes an ego, and what of.
-    pub rules: Rules,
-    /// The target of each group.
-    pub targets: Vec<Target>,
-    /// How each group's blocks are made.
-    pub blocks: Vec<GroupSetup>,
-    /// Plant, control period, bound of the reference.
-    pub loop_config: LoopConfig,
-    /// Bodies feel the slope of SUMO's road.
-    pub grade: bool,
-    /// Driver imperfection given to every ego, if any.
-    pub sigma: Option<f64>,
-    /// True if other clients may be at this SUMO.
-    pub shared: bool,
-}
 
 /// Fleet and SUMO, stepping together.
 pub struct World<S: Sumo = TraciLink> {
@@ -52,6 +36,7 @@ pub struct World<S: Sumo = TraciLink> {
     events: Events,
     admission: Admission,
     body_leads: BodyLeads,
+    lanes: Lanes,
     readings: Readings,
     records: Records,
     /// The chunks of the last step, whose memory the next one uses.
@@ -64,6 +49,7 @@ pub struct World<S: Sumo = TraciLink> {
     newcomers: Vec<Slot>,
     /// Egos that SUMO did not know any more.
     lost: Vec<Slot>,
+    trace: (Trace, TraceRows),
     grade: bool,
     sigma: Option<f64>,
     step_s: f64,
@@ -95,9 +81,13 @@ impl<S: Sumo> World<S> {
         if periods < 1.0 || (periods * period_s - step_s).abs() > 1e-9 {
             return Err(CosimError::Step { step_s, period_s });
         }
+        let trace_s = setup.trace.1.unwrap_or(step_s);
+        let rows = TraceRows::every(trace_s, step_s, period_s)
+            .map_err(|wanted| CosimError::TracePeriod { trace_s, wanted })?;
         let body_leads = BodyLeads::new(setup.targets);
         let wanted = Wanted {
             before: body_leads.anywhere(),
+            lane: body_leads.anywhere() || setup.friction,
             imperfection: setup.sigma.is_some(),
             headway: setup.rules.headway.is_some(),
         };
@@ -110,6 +100,7 @@ impl<S: Sumo> World<S> {
             events: Events { time_s: joined.time_s, expected: joined.expected, ..Events::default() },
             admission,
             body_leads,
+            lanes: Lanes::new(setup.friction),
             readings: Readings::every_second(step_s),
             records: Records::default(),
             chunks: Vec::new(),
@@ -117,6 +108,7 @@ impl<S: Sumo> World<S> {
             admitted: Vec::new(),
             newcomers: Vec::new(),
             lost: Vec::new(),
+            trace: (setup.trace.0, rows),
             grade: setup.grade,
             sigma: setup.sigma,
             step_s,
@@ -131,25 +123,18 @@ impl<S: Sumo> World<S> {
     /// If SUMO ends, answers nonsense, or a newcomer's parameters are wrong.
     pub async fn step(&mut self) -> Result<(), CosimError> {
         self.admit_newcomers().await?;
-        self.body_leads.learn_limits(&mut self.sumo, &mut self.egos).await?;
+        self.lanes.learn(&mut self.sumo, &mut self.egos, &mut self.fleet).await?;
         self.body_leads.advance(&mut self.fleet, &mut self.egos, self.periods);
         self.tell_before_step()?;
         let step = self.sumo.step().await?;
-        // SUMO is stepping from here on, and answers these questions after it.
-        let mut chunks = self.ask_egos()?;
         self.sumo.events(step, &mut self.events).await?;
         self.steps += 1;
         self.lost.clear();
-        // In a collision or a teleport vehicles of other chunks matter: then all answers are heard before any body drives.
-        if !self.events.is_quiet() {
-            for chunk in &mut chunks {
-                self.hear(chunk).await?;
-            }
-        }
         // Before records end: they tell in how many collisions their vehicle was.
         self.records.count_collisions(&self.events.collisions);
         self.settle_departures_and_arrivals();
-        self.settle_teleports();
+        // Only now: each question about a vehicle that has left would be an error in SUMO's log.
+        let mut chunks = self.ask_egos()?;
         let departed = self.admission.ask(&mut self.sumo, &mut self.records.counters)?;
         let readings = Readings::ask(
             self.readings.are_due(self.steps),
@@ -157,6 +142,13 @@ impl<S: Sumo> World<S> {
             &mut self.sumo,
             &self.egos,
         )?;
+        // In a collision or a teleport vehicles of other chunks matter: then all answers are heard before any body drives.
+        if !self.events.is_quiet() {
+            for chunk in &mut chunks {
+                self.hear(chunk).await?;
+            }
+        }
+        self.settle_teleports();
         for (place, chunk) in chunks.iter_mut().enumerate() {
             self.hear(chunk).await?;
             self.end_lost();
@@ -175,14 +167,14 @@ impl<S: Sumo> World<S> {
         {
             let speed_mps = setup.speed_mps;
             let slot = self.fleet.admit(group, setup);
+            if let (TraceRows::Periods(periods), true) = (self.trace.1, self.trace.0.names(&departed.object.id)) {
+                self.fleet.block_mut(slot).watch(slot.lane(), periods);
+            }
             let leader = departed.before.filter(|_| self.body_leads.in_group(group));
-            let leader = leader.map(|(before, lane)| {
-                self.body_leads.limits.note_unknown(&lane);
-                Leader::new(before, lane, speed_mps)
-            });
+            let leader = leader.map(|before| Leader::new(before, speed_mps));
             self.admitted.push(departed.object.id.clone());
             self.newcomers.push(slot);
-            self.egos.insert(Ego {
+            let mut ego = Ego {
                 object: departed.object,
                 type_id: departed.type_id,
                 group,
@@ -191,6 +183,8 @@ impl<S: Sumo> World<S> {
                 depart_s: self.events.time_s - if self.steps > 0 { self.step_s } else { 0.0 },
                 presence: Presence::Driving,
                 teleported: false,
+                carried: false,
+                lane: departed.lane.unwrap_or_default(),
                 odometer_offset_m: departed.odometer_m,
                 odometer_gap_m: None,
                 road: None,
@@ -200,7 +194,11 @@ impl<S: Sumo> World<S> {
                 headway_before_s: departed.headway_s,
                 headway_s,
                 imperfection_before: departed.imperfection,
-            });
+            };
+            if !ego.lane.is_empty() {
+                self.lanes.arrive(&mut ego, self.fleet.block_mut(slot));
+            }
+            self.egos.insert(ego);
         }
         Ok(())
     }
@@ -222,7 +220,7 @@ impl<S: Sumo> World<S> {
             } else {
                 self.sumo.tell(&ego.object, self.speed_of(ego))?;
             }
-            self.sumo.watch(&ego.object, &EgoQuestion::whole(ego, self.grade))?;
+            self.sumo.watch(&ego.object, &EgoQuestion::whole(ego, &self.lanes, self.grade))?;
         }
         let driving = |ego: &&Ego| self.body_leads.anywhere() && ego.presence == Presence::Driving;
         for ego in self.egos.iter().filter(driving) {
@@ -254,8 +252,9 @@ impl<S: Sumo> World<S> {
         }
         for chunk in &mut chunks {
             let egos = chunk.members.iter().filter_map(|slot| self.egos.get(*slot));
-            let questions =
-                egos.map(|ego| (&ego.object, EgoQuestion::now(ego, self.fleet.block(ego.slot), self.grade)));
+            let (fleet, lanes) = (&self.fleet, &self.lanes);
+            let question = |ego: &Ego| EgoQuestion::now(ego, fleet.block(ego.slot), lanes, self.grade);
+            let questions = egos.map(|ego| (&ego.object, question(ego)));
             chunk.asked = self.sumo.ask_in(std::mem::take(&mut chunk.asked), questions)?;
             chunk.is_heard = false;
         }
@@ -267,10 +266,10 @@ impl<S: Sumo> World<S> {
         if std::mem::replace(&mut chunk.is_heard, true) {
             return Ok(());
         }
-        let Self { egos, fleet, lost, body_leads, step_s, .. } = self;
+        let Self { egos, fleet, lost, lanes, step_s, .. } = self;
         let answers = self.sumo.answers(std::mem::take(&mut chunk.asked), |EgoQuestion { slot, .. }, answer| {
             match (answer, egos.get_mut(slot)) {
-                (Ok(seen), Some(ego)) => seen.apply(ego, fleet.block_mut(slot), &mut body_leads.limits, *step_s),
+                (Ok(seen), Some(ego)) => seen.apply(ego, fleet.block_mut(slot), lanes, *step_s),
                 (Err(NoAnswer::Gone), Some(_)) => lost.push(slot),
                 // Its record has ended.
                 (_, None) | (Err(NoAnswer::Unaskable(_)), _) => {}
@@ -308,11 +307,13 @@ impl<S: Sumo> World<S> {
 
     /// Vehicles that were carried and put down within the step: another place, another speed.
     fn settle_teleports(&mut self) {
-        for ego in self.events.teleported.iter().filter_map(|id| self.egos.find(id)) {
+        for id in &self.events.teleported {
+            let Some(ego) = self.egos.find_mut(id) else { continue };
             if ego.presence == Presence::Driving {
                 let (block, lane) = (self.fleet.block_mut(ego.slot), ego.slot.lane());
                 let speed_mps = block.sumo_mps(lane);
                 block.appear(lane, speed_mps);
+                ego.carried = true;
             }
         }
     }
@@ -410,22 +411,24 @@ impl<S: Sumo> World<S> {
         std::mem::take(&mut self.records)
     }
 
-    /// The end that SUMO's configuration asks for \[s\]; negative without one.
-    ///
-    /// # Errors
-    /// If SUMO does not answer.
-    pub async fn end_s(&mut self) -> Result<f64, CosimError> {
-        self.sumo.end_s().await
-    }
-
     /// Simulation time at the end of the last step \[s\].
     pub fn time_s(&self) -> f64 {
         self.events.time_s
     }
 
+    /// Whose trajectories are wanted, and when.
+    pub fn trace(&self) -> &(Trace, TraceRows) {
+        &self.trace
+    }
+
     /// SUMO's step \[s\].
     pub fn step_s(&self) -> f64 {
         self.step_s
+    }
+
+    /// Control period \[s\].
+    pub fn period_s(&self) -> f64 {
+        self.fleet.period_s()
     }
 
     /// Number of vehicles that are on the road or still to come.

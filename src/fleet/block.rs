@@ -4,12 +4,13 @@
 use super::driver::{Driver, Ramp, SumoStep};
 use super::follow::{Bound, Follow};
 use super::setup::{ActuatorSetup, LoopConfig, VehicleSetup};
+use super::snapshot::Snapshot;
 use super::steering::Steering;
 use crate::columns::{Slots, columns};
 use crate::control::{Actuation, Command, Controller, Observation};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
-use crate::plant::{Actuators, Inputs, PlantBlock, State};
+use crate::plant::{Actuators, Body, Inputs, PlantBlock, State};
 use crate::stats::{Sample, StatsBlock, StepSample, Sums, VehicleStats};
 use crate::stopwatch::Stopwatch;
 
@@ -39,6 +40,8 @@ columns! {
         shared {
             group: usize = group,
             command: Command = Command::default(),
+            /// What watched slots showed within the last step: period of the step (from 1), slot.
+            snapshots: Vec<(u32, usize, Snapshot)> = Vec::new(),
             pub(super) stopwatch: Stopwatch<3> = Stopwatch::new(false),
         }
         parts {
@@ -54,6 +57,9 @@ columns! {
         }
         columns {
             nominal_nm_per_mps2: f64 = 1.0,
+            /// Friction of the tyres on a road of friction 1.
+            tyre_friction: [f64; 4] = [1.0; 4],
+            road_friction: f64 = 1.0,
             occupied: f64 = 0.0,
             /// 1 = on the road; 0 = free, or teleporting.
             present: f64 = 0.0,
@@ -67,6 +73,8 @@ columns! {
             lead_limited: f64 = 0.0,
             curvature_limited: f64 = 0.0,
             bound: Bound = Bound::Traffic,
+            /// Control periods between two snapshots; 0 = none.
+            watched_every: u32 = 0,
         }
     }
 }
@@ -94,8 +102,8 @@ impl Block {
         self.nominal_nm_per_mps2[slot] = vehicle.nominal_nm_per_mps2;
         let ActuatorSetup { dead_time_s, lag_s } = vehicle.actuator;
         self.actuators.set(slot, dead_time_s, lag_s, body.drive_torque_max_nm, body.brake_torque_max_nm);
-        let friction = body.friction.iter().fold(f64::INFINITY, |a, b| a.min(*b));
-        self.steering.set(slot, body.wheelbase_m(), body.understeer_gradient(), friction);
+        self.tyre_friction[slot] = body.friction;
+        self.steering.set(slot, body.wheelbase_m(), body.understeer_gradient(), least(body.friction));
         self.plant.set_body(slot, body);
         if self.controller.is_some() {
             self.driver.set_limits(slot, self.acceleration_limits_mps2(slot));
@@ -175,6 +183,37 @@ impl Block {
         self.inputs.grade_rad[slot] = grade_rad;
     }
 
+    /// Friction of the road: that of the tyres is multiplied by it.
+    pub fn set_road_friction(&mut self, slot: usize, road_friction: f64) {
+        if self.road_friction[slot] == road_friction {
+            return;
+        }
+        self.road_friction[slot] = road_friction;
+        let friction = self.tyre_friction[slot].map(|tyre| tyre * road_friction);
+        let body = Body { friction, ..self.plant.body(slot).clone() };
+        self.plant.set_body(slot, &body);
+        self.steering.set_friction(slot, least(friction));
+    }
+
+    /// From now on a snapshot of the slot is taken every so many control periods of a step.
+    pub fn watch(&mut self, slot: usize, every: u32) {
+        self.watched_every[slot] = every;
+    }
+
+    /// The snapshots of a slot in the last step, each with its control period, from 1.
+    pub fn snapshots(&self, slot: usize) -> impl Iterator<Item = (u32, &Snapshot)> {
+        self.snapshots.iter().filter(move |(_, of, _)| *of == slot).map(|(period, _, snapshot)| (*period, snapshot))
+    }
+
+    /// Takes the snapshots that are due at the end of a control period.
+    fn note_snapshots(&mut self, period: u32) {
+        for slot in (0..LANES).filter(|i| self.watched_every[*i] > 0 && self.present[*i] > 0.0) {
+            if period.is_multiple_of(self.watched_every[slot]) {
+                self.snapshots.push((period, slot, self.snapshot(slot)));
+            }
+        }
+    }
+
     /// The inputs that the road and the air have on the bodies, to disturb them.
     pub fn inputs_mut(&mut self) -> &mut Inputs {
         &mut self.inputs
@@ -220,11 +259,6 @@ impl Block {
         self.plant.distance_m[slot]
     }
 
-    /// Speed that was asked for in the last step [m/s].
-    pub fn target_mps(&self, slot: usize) -> f64 {
-        self.target_mps[slot]
-    }
-
     /// Reference at the end of the last control period [m/s].
     pub fn reference_mps(&self, slot: usize) -> f64 {
         self.reference_mps[slot]
@@ -235,9 +269,10 @@ impl Block {
         self.measured_mps[slot]
     }
 
-    /// Slip ratios of front and rear axle.
-    pub fn slip(&self, slot: usize) -> [f64; 2] {
-        self.plant.slip(slot, self.inputs.steer_rad[slot])
+    /// What a slot shows now.
+    pub fn snapshot(&self, slot: usize) -> Snapshot {
+        let speeds_mps = [self.target_mps[slot], self.reference_mps[slot], self.measured_mps[slot]];
+        Snapshot::of(slot, &self.plant, &self.inputs, self.controller.as_deref(), speeds_mps)
     }
 
     /// SUMO's speed v* at the end of the last step [m/s].
@@ -274,6 +309,7 @@ impl Block {
     /// One SUMO step: `periods` control periods along the reference.
     pub(super) fn step(&mut self, config: &LoopConfig, periods: u32, follow: Follow) {
         self.stopwatch.start();
+        self.snapshots.clear();
         let before_mps = self.plant.vx_mps;
         let step_s = f64::from(periods) * config.period_s;
         self.lead_limited = match follow {
@@ -299,6 +335,7 @@ impl Block {
             let share = (f64::from(k) + 0.5) / f64::from(periods);
             let demand = Demand { start_mps: at(tau_s), end_mps: at(tau_s + config.period_s), rate_mps2, rest, share };
             self.period(config, &demand);
+            self.note_snapshots(k + 1);
         }
         if self.controller.is_none() {
             // To the last bit what SUMO chose: the sum of the periods' ramps need not be.
@@ -323,6 +360,7 @@ impl Block {
                 self.clock_s[i] += config.period_s;
             }
             self.period(config, &demand);
+            self.note_snapshots(k + 1);
         }
         [0.0; LANES]
     }
@@ -439,4 +477,9 @@ impl Block {
             active: self.present,
         });
     }
+}
+
+/// The friction of the wheel that has least.
+fn least(friction: [f64; 4]) -> f64 {
+    friction.into_iter().fold(f64::INFINITY, f64::min)
 }

@@ -50,8 +50,13 @@ impl Steering {
     pub fn set(&mut self, slot: usize, wheelbase_m: f64, understeer_s2_per_m: f64, friction: f64) {
         self.wheelbase_m[slot] = wheelbase_m;
         self.understeer_s2_per_m[slot] = understeer_s2_per_m;
-        self.lateral_max_mps2[slot] = LATERAL_SHARE * friction * GRAVITY_MPS2;
+        self.set_friction(slot, friction);
         self.straighten(slot);
+    }
+
+    /// The road under the tyres has another friction coefficient.
+    pub fn set_friction(&mut self, slot: usize, friction: f64) {
+        self.lateral_max_mps2[slot] = LATERAL_SHARE * friction * GRAVITY_MPS2;
     }
 
     /// Forgets the road: a new vehicle, or one that was moved by other means than driving.

@@ -96,6 +96,14 @@ impl Body {
         self.brake_torque_max_nm = self.brake_torque_max_nm.max(scale * decel_mps2);
     }
 
+    /// Largest acceleration and deceleration that torque limits and friction allow on a flat road [m/s²].
+    pub fn acceleration_max_mps2(&self) -> [f64; 2] {
+        let scale = self.effective_mass_kg() * self.wheel_radius_m;
+        let load_n = self.static_load_n();
+        let grip_n: f64 = load_n.iter().zip(self.friction).map(|(load, friction)| load * friction).sum();
+        [self.drive_torque_max_nm, self.brake_torque_max_nm].map(|torque| (torque / scale).min(grip_n / self.mass_kg))
+    }
+
     /// Static load F_z of each wheel on a flat road \[N\].
     pub fn static_load_n(&self) -> [f64; 4] {
         let half = 0.5 * self.mass_kg * GRAVITY_MPS2 / self.wheelbase_m();

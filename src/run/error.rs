@@ -64,7 +64,7 @@ pub enum RunError {
     #[error("the session has ended")]
     Ended,
     /// A run that broke off; what was computed is in the folder.
-    #[error("the run broke off at {time_s} s; what was computed until then is in {}, marked incomplete", .dir.display())]
+    #[error("{source}; the run broke off at {time_s} s, and what was computed until then is in {}, marked incomplete", .dir.display())]
     Broken {
         /// Simulation time \[s\].
         time_s: f64,

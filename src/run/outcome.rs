@@ -1,10 +1,11 @@
 //! What a run comes to: SUMO's own outputs joined with the fleet's records.
 
 use super::rows::{EdgeRow, VehicleRow, edge_rows};
-use super::summary::{NO_EGOS, SumoTotals};
+use super::summary::{COUNTS, SumoTotals};
 use crate::cosim::{Counters, Finished, LONG_S, Reason, Records, SLOW_MPS};
 use crate::scenario::Scenario;
-use crate::sumo_files::{SumoCommand, SumoFileError, SumoStatistics, Trips};
+use crate::sumo_files::{SumoCommand, SumoFileError, SumoStatistics, Trips, left_out};
+use std::collections::HashMap;
 
 /// Rows and totals of a run.
 pub struct Outcome {
@@ -14,8 +15,8 @@ pub struct Outcome {
     pub edges: Vec<EdgeRow>,
     /// Totals of the whole traffic.
     pub totals: SumoTotals,
-    /// Counts of vehicles that are no egos, as [`NO_EGOS`].
-    pub counts: [u64; NO_EGOS.len()],
+    /// Further counts, as [`COUNTS`].
+    pub counts: [u64; COUNTS.len()],
     /// What the user should be told.
     pub notes: Vec<String>,
     /// What is wrong with SUMO's outputs, so that the result is not whole.
@@ -41,7 +42,12 @@ impl Outcome {
             .and_then(|own| Trips::read(&own.tripinfo).map_err(|error| told(error, "time losses are missing")).ok());
         let cut = trips.as_ref().is_some_and(|trips| !trips.whole) && !died;
         let broken = own_sumo.filter(|_| cut).map(|own| format!("{}: the file breaks off", own.tripinfo.display()));
+        // A log that the user sent elsewhere need not be a file.
+        if let Some((count, first)) = own_sumo.and_then(|own| left_out(&own.log).ok().flatten()) {
+            notes.push(format!("SUMO's log has {count} warnings about vehicles that it left out; the first: {first}"));
+        }
         let (has_trips, mut trips) = (trips.is_some(), trips.unwrap_or_default());
+        take_own_time_losses(&records.finished, &mut trips);
         let counters = &records.counters;
         let (mut arrived, time_loss_mean_s) = trips.arrivals();
         // `device.tripinfo.probability` leaves vehicles out.
@@ -67,9 +73,23 @@ impl Outcome {
             },
         };
         let edges = edge_rows(&records.roads);
-        let counts = [counters.unequipped, counters.others.values().sum(), counters.refused.len() as u64];
+        let refused = counters.refused.len() as u64;
+        let counts = [counters.unequipped, counters.others.values().sum(), refused, counters.crept];
         let rows = records.finished.into_iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
         Self { rows, edges, totals, counts, notes, broken }
+    }
+}
+
+/// Of a vehicle whose body led, SUMO has the time loss against the speed factor that it was given meanwhile.
+fn take_own_time_losses(finished: &[Finished], trips: &mut Trips) {
+    let mut earlier: HashMap<&str, usize> = HashMap::new();
+    for record in finished {
+        let nth = earlier.entry(&record.id).or_default();
+        let trip = trips.by_id.get_mut(&*record.id).and_then(|trips| trips.get_mut(*nth));
+        if let (Some(time_loss_s), Some(trip)) = (record.time_loss_s, trip) {
+            trip.time_loss_s = time_loss_s;
+        }
+        *nth += 1;
     }
 }
 
@@ -95,7 +115,7 @@ fn row(record: Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) -> 
         depart,
         arrival,
         duration: Some(milliseconds(ended.unwrap_or(end_s) - depart)),
-        timeloss: trip.map(|t| t.time_loss_s),
+        timeloss: trip.map(|t| t.time_loss_s).or(record.time_loss_s),
         distance: Some(record.distance_m),
         stats: record.stats,
         odometer_gap: record.odometer_gap_m,
@@ -120,6 +140,17 @@ fn notes(counters: &Counters, egos: usize) -> Vec<String> {
         notes.push(format!(
             "{} of {egos} equipped vehicles crept: they moved for more than {LONG_S} s without exceeding {SLOW_MPS} m/s",
             counters.crept
+        ));
+    }
+    if let Some((id, [asked, given])) = counters.beyond_body.first_key_value() {
+        notes.push(format!(
+            "{} vTypes allow more than their bodies can do; the first, \"{id}\": accel {:.1} and emergencyDecel {:.1} m/s², \
+             the body {:.1} and {:.1} m/s²",
+            counters.beyond_body.len(),
+            asked[0],
+            asked[1],
+            given[0],
+            given[1]
         ));
     }
     if let Some((id, reason)) = counters.refused.first() {

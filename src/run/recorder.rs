@@ -7,13 +7,14 @@ use super::rows::{EDGES, SampleRow, TRACE, TraceRow, VEHICLES, sort_vehicles};
 use super::sampler::{SAMPLED, Sampler};
 use super::schema::Schema;
 use crate::cosim::{Ego, World};
+use crate::fleet::Snapshot;
 use crate::fleet::block::Block;
-use crate::output::{Table, write_table};
-use crate::scenario::{Scenario, Trace};
+use crate::output::{OutputError, Table, write_table};
+use crate::scenario::{Scenario, Trace, TraceRows};
 
 /// Open files.
 pub struct Recorder {
-    trace: Option<(Table<TraceRow>, Trace, u64)>,
+    trace: Option<Table<TraceRow>>,
     sampler: Sampler,
     sample_every: u64,
     step: u64,
@@ -24,11 +25,9 @@ impl Recorder {
     pub fn open(scenario: &Scenario, dir: &ResultDir, world: &World) -> Result<Self, RunError> {
         let steps = |period_s: f64| (period_s / world.step_s()).round().max(1.0) as u64;
         let output = &scenario.output;
-        let trace = if output.trace == Trace::None {
-            None
-        } else {
-            let table = Table::create(&dir.file(&output.trace_file), &TRACE)?;
-            Some((table, output.trace.clone(), output.trace_period_s.map_or(1, steps)))
+        let trace = match output.trace {
+            Trace::None => None,
+            _ => Some(Table::create(&dir.file(&output.trace_file), &TRACE)?),
         };
         let trace_file = trace.is_some().then_some(output.trace_file.as_str());
         dir.write(SCHEMA, &Schema::of_run(&output.vehicles, trace_file))?;
@@ -42,18 +41,15 @@ impl Recorder {
         for id in world.take_admitted() {
             self.sampler.depart(&id);
         }
-        if let Some((table, wanted, every)) = &mut self.trace
-            && self.step.is_multiple_of(*every)
-        {
-            for (ego, block) in world.driving().filter(|(ego, _)| is_traced(wanted, ego.id())) {
-                table.write(&trace_row(ego, block, world.time_s()))?;
-            }
+        if let Some(table) = &mut self.trace {
+            trace(table, world, self.step)?;
         }
         if self.step.is_multiple_of(self.sample_every) {
             for (ego, block) in world.driving() {
                 if self.sampler.follows(ego.id()) {
+                    let now = block.snapshot(ego.slot.lane());
                     let TraceRow { time, id, speed, target, distance, torque, .. } =
-                        trace_row(ego, block, world.time_s());
+                        trace_row(ego, &now, world.time_s());
                     self.sampler.write(&SampleRow { time, id, speed, target, distance, torque })?;
                 }
             }
@@ -66,46 +62,55 @@ impl Recorder {
         sort_vehicles(&mut outcome.rows);
         let vehicles = write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows);
         let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges);
-        let trace = self.trace.map_or(Ok(()), |(trace, ..)| trace.finish().map(drop));
+        let trace = self.trace.map_or(Ok(()), |trace| trace.finish().map(drop));
         let sample = self.sampler.finish().map(drop);
         vehicles.map(drop).and(edges.map(drop)).and(trace).and(sample)?;
         Ok(())
     }
 }
 
-fn is_traced(wanted: &Trace, id: &str) -> bool {
-    match wanted {
-        Trace::None => false,
-        Trace::All => true,
-        Trace::Ids(ids) => ids.iter().any(|i| i == id),
+/// The rows of a step, in the order of time.
+fn trace(table: &mut Table<TraceRow>, world: &World, step: u64) -> Result<(), OutputError> {
+    let (who, rows) = world.trace();
+    let traced = world.driving().filter(|(ego, _)| who.names(ego.id()));
+    match *rows {
+        TraceRows::Steps(every) if step.is_multiple_of(every) => {
+            for (ego, block) in traced {
+                table.write(&trace_row(ego, &block.snapshot(ego.slot.lane()), world.time_s()))?;
+            }
+        }
+        TraceRows::Steps(_) => {}
+        TraceRows::Periods(_) => {
+            let begin_s = world.time_s() - world.step_s();
+            let at = |period| ((begin_s + f64::from(period) * world.period_s()) * 1e6).round() / 1e6;
+            let of_ego = |(ego, block): (&Ego, &Block)| {
+                let rows = block.snapshots(ego.slot.lane());
+                rows.map(|(period, shown)| (period, trace_row(ego, shown, at(period)))).collect::<Vec<_>>()
+            };
+            let mut rows: Vec<_> = traced.flat_map(of_ego).collect();
+            rows.sort_by_key(|(period, _)| *period);
+            rows.iter().try_for_each(|(_, row)| table.write(row))?;
+        }
     }
-}
-
-/// A profile knows no target but its reference.
-fn target_mps(block: &Block, lane: usize) -> f64 {
-    let target_mps = block.target_mps(lane);
-    if target_mps.is_finite() { target_mps } else { block.reference_mps(lane) }
+    Ok(())
 }
 
 /// One line of the trace.
-pub(super) fn trace_row(ego: &Ego, block: &Block, time_s: f64) -> TraceRow {
-    let lane = ego.slot.lane();
-    let state = block.plant().state(lane);
-    let [slip_front, slip_rear] = block.slip(lane);
+pub(super) fn trace_row(ego: &Ego, shown: &Snapshot, time_s: f64) -> TraceRow {
     TraceRow {
         time: time_s,
         id: ego.id().clone(),
-        target: target_mps(block, lane),
-        reference: block.reference_mps(lane),
-        speed: state.vx_mps,
-        measured_speed: block.measured_mps(lane),
-        lateral_speed: state.vy_mps,
-        yaw_rate: state.yaw_rate_radps,
-        slip_front,
-        slip_rear,
-        torque: block.torque_nm(lane),
-        alpha_hat: block.alpha_ratio(lane),
-        f_hat: block.f_hat_mps2(lane),
-        distance: block.distance_m(lane),
+        target: shown.target_mps,
+        reference: shown.reference_mps,
+        speed: shown.speed_mps,
+        measured_speed: shown.measured_mps,
+        lateral_speed: shown.lateral_mps,
+        yaw_rate: shown.yaw_rate_radps,
+        slip_front: shown.slip[0],
+        slip_rear: shown.slip[1],
+        torque: shown.torque_nm,
+        alpha_hat: shown.alpha_ratio,
+        f_hat: shown.f_hat_mps2,
+        distance: shown.distance_m,
     }
 }

@@ -9,8 +9,8 @@ use super::result::{ResultWriter, RunResult};
 use super::rows::TraceRow;
 use super::setup;
 use super::signals::Signal;
-use crate::cosim::{CosimError, World};
-use crate::scenario::Scenario;
+use crate::cosim::{CosimError, Sumo, World};
+use crate::scenario::{Group, Scenario};
 use crate::stats::VehicleStats;
 use crate::traci::{Client, SumoProcess, find_named};
 use std::path::PathBuf;
@@ -205,7 +205,8 @@ impl Session {
 
     /// The egos on the road at the end of the last step: id, target, reference, speed, torque, distance, ...
     pub fn egos(&self) -> impl Iterator<Item = TraceRow> {
-        self.world.driving().map(|(ego, block)| trace_row(ego, block, self.world.time_s()))
+        let time_s = self.world.time_s();
+        self.world.driving().map(move |(ego, block)| trace_row(ego, &block.snapshot(ego.slot.lane()), time_s))
     }
 
     /// The statistics of an ego on the road so far.
@@ -262,10 +263,33 @@ async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Op
     let mut world = World::join(client, setup::world(&result.scenario)?).await?;
     let end_s = match result.scenario.sumo.end_s {
         Some(end_s) => Some(end_s),
-        None => Some(world.end_s().await?).filter(|end_s| *end_s >= 0.0),
+        None => Some(world.sumo_mut().end_s().await?).filter(|end_s| *end_s >= 0.0),
     };
+    if let Some(address) = &result.scenario.sumo.connect {
+        let bodies = result.scenario.groups.iter().any(Group::has_body);
+        result.notes.extend(of_joined(&mut world, address, bodies).await?);
+    }
     result.recorder = Some(Recorder::open(&result.scenario, &result.dir, &world)?);
     Ok((world, end_s))
+}
+
+/// What a SUMO that somebody else has started does in another way than one of ours.
+async fn of_joined(world: &mut World, address: &str, bodies: bool) -> Result<Vec<String>, RunError> {
+    let mut notes = Vec::new();
+    if world.sumo_mut().option("step-method.ballistic").await?.as_deref() == Some("false") {
+        notes.push(format!(
+            "the SUMO at {address} makes Euler's steps: its vehicles cover v·dt, bodies the mean of old and new speed (start it \
+             with --step-method.ballistic)"
+        ));
+    }
+    let factor =
+        world.sumo_mut().option("collision.mingap-factor").await?.and_then(|factor| factor.parse::<f64>().ok());
+    if bodies && factor.is_some_and(|factor| factor != 0.0) {
+        notes.push(format!(
+            "the SUMO at {address} counts gaps below minGap as collisions (start it with --collision.mingap-factor 0)"
+        ));
+    }
+    Ok(notes)
 }
 
 /// More of an error of the connection: what SUMO said last, if it is ours and has ended.

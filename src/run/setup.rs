@@ -23,7 +23,9 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         blocks: groups.iter().map(|group| scenario.blocks(group)).collect(),
         loop_config: scenario.loop_config(),
         grade: scenario.coupling.grade,
+        friction: scenario.coupling.friction,
         sigma: scenario.traffic.sigma,
+        trace: (scenario.output.trace.clone(), scenario.output.trace_period_s),
         shared: scenario.sumo.connect.is_some() || scenario.sumo.num_clients > 1,
     })
 }

@@ -20,11 +20,12 @@ record! {
     }
 }
 
-/// Counts of vehicles that are no egos, and what they say.
-pub(super) const NO_EGOS: [(&str, &str); 3] = [
+/// Further counts of vehicles, and what they say.
+pub(super) const COUNTS: [(&str, &str); 4] = [
     ("unequipped", "Departed vehicles that the selectors left to SUMO"),
     ("other_classes", "Departed vehicles without four wheels"),
     ("refused", "Departed vehicles that were to be egos but cannot be"),
+    ("crept", "Egos that moved for more than 60 s without exceeding 1 m/s"),
 ];
 
 /// The contents of `summary.json`.
@@ -45,14 +46,19 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Sums up a run; `others` counts vehicles that are no egos: not selected, of other classes, refused; times are the simulated and the real one.
-    pub fn new(rows: &[VehicleRow], others: [u64; 3], sumo: SumoTotals, [simulated_s, wall_s]: [f64; 2]) -> Self {
+    /// Sums up a run; `counted` is in the order of `COUNTS`; times are the simulated and the real one.
+    pub fn new(
+        rows: &[VehicleRow],
+        counted: [u64; COUNTS.len()],
+        sumo: SumoTotals,
+        [simulated_s, wall_s]: [f64; 2],
+    ) -> Self {
         let mut counts = BTreeMap::from([("vehicles".to_owned(), rows.len() as u64)]);
         for reason in Reason::ALL {
             let count = rows.iter().filter(|r| r.reason == reason).count();
             counts.insert(reason.as_str().to_owned(), count as u64);
         }
-        counts.extend(NO_EGOS.iter().zip(others).map(|((name, _), count)| ((*name).to_owned(), count)));
+        counts.extend(COUNTS.iter().zip(counted).map(|((name, _), count)| ((*name).to_owned(), count)));
         let columns = VEHICLES.values(rows).filter(|(column, _)| column.in_summary);
         let fleet = columns
             .filter_map(|(column, cells)| Some((column.name.clone(), Spread::of(cells.filter_map(Cell::number))?)))
@@ -81,7 +87,7 @@ pub(super) fn summary_fields() -> Vec<Column> {
     [count("vehicles", "Egos that departed")]
         .into_iter()
         .chain(reasons)
-        .chain(NO_EGOS.map(|(name, meaning)| count(name, meaning)))
+        .chain(COUNTS.map(|(name, meaning)| count(name, meaning)))
         .chain(sumo.shape.columns.into_iter().map(|column| within("sumo", column)))
         .chain(fleet.collect::<Vec<_>>())
         .chain([
@@ -138,7 +144,7 @@ mod tests {
         rows[4].reason = Reason::Running;
         rows[4].stats.clamped_steps = 7;
         let totals = SumoTotals { inserted: 6, arrived: 4, time_loss_mean_s: Some(12.5), collisions: 1, teleports: 2 };
-        let summary = Summary::new(&rows, [0; 3], totals, [600.0, 20.0]);
+        let summary = Summary::new(&rows, [0; 4], totals, [600.0, 20.0]);
         (rows, summary)
     }
 
@@ -187,7 +193,7 @@ mod tests {
 
     #[test]
     fn a_run_without_egos_still_has_an_end() {
-        let summary = Summary::new(&[], [0; 3], SumoTotals::default(), [0.0; 2]);
+        let summary = Summary::new(&[], [0; 4], SumoTotals::default(), [0.0; 2]);
         let text = terminal_text(&summary, &[], Path::new("out"), &[]);
         assert!(text.starts_with("vehicles       0\n") && text.contains("no samples"), "{text}");
     }

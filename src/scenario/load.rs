@@ -14,6 +14,7 @@ use super::{
     reader::{Reader, names},
     sections::{Egos, Named},
     selector::Selector,
+    trace::TraceRows,
 };
 use crate::{
     keys::{Key, Keys, Kind, Values},
@@ -307,28 +308,35 @@ fn vehicle(reader: &mut Reader, path: &str, table: &Table, catalog: &Catalog) ->
     Vehicle { preset, body: reader.values(path, table, BodyKeys::keys(), true) }
 }
 
-/// SUMO rounds its step to 1 ms, and a step holds whole control periods.
+/// SUMO rounds its step to 1 ms, a step holds whole control periods, and rows of a trace fall on their ends.
 fn whole_periods(reader: &mut Reader, scenario: &Scenario, root: &Table) {
     let (step_s, period_s) = (scenario.sumo.step_length_s, scenario.coupling.control_period_s);
     let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() < 1e-6 * ratio;
-    let wanted = if !whole(step_s / 0.001) {
-        "a whole number of milliseconds, as SUMO has it".to_owned()
-    } else if !whole(step_s / period_s) {
-        format!("a whole number of control periods (coupling.control_period_s = {period_s:?})")
-    } else {
-        return;
-    };
     let at = |name: &str, key: &str| match root.get(name).map(|e| &e.node) {
         Some(Node::Table(table)) => table.get(key),
         _ => None,
     };
-    let given = [at("sumo", "step_length_s"), at("coupling", "control_period_s")];
-    if given.into_iter().flatten().any(|entry| reader.refused(entry)) {
+    let (step, period, trace) =
+        (at("sumo", "step_length_s"), at("coupling", "control_period_s"), at("output", "trace_period_s"));
+    if [step, period, trace].into_iter().flatten().any(|entry| reader.refused(entry)) {
         return;
     }
-    // One of the two was given: the defaults fit each other.
-    if let Some(entry) = given.into_iter().flatten().next() {
-        let what = Wrong::Value { found: format!("{step_s:?}"), wanted };
-        reader.note(Mistake { place: entry.place.clone(), key: "sumo.step_length_s".to_owned(), what });
+    let mut note = |entry: Option<&Entry>, key: &str, found: f64, wanted: String| {
+        if let Some(entry) = entry {
+            let what = Wrong::Value { found: format!("{found:?}"), wanted };
+            reader.note(Mistake { place: entry.place.clone(), key: key.to_owned(), what });
+        }
+    };
+    // One of step and period was given: the defaults fit each other.
+    if !whole(step_s / 0.001) {
+        let wanted = "a whole number of milliseconds, as SUMO has it".to_owned();
+        note(step.or(period), "sumo.step_length_s", step_s, wanted);
+    } else if !whole(step_s / period_s) {
+        let wanted = format!("a whole number of control periods (coupling.control_period_s = {period_s:?})");
+        note(step.or(period), "sumo.step_length_s", step_s, wanted);
+    } else if let (Some(trace_s), true) = (scenario.output.trace_period_s, scenario.sumo.connect.is_none())
+        && let Err(wanted) = TraceRows::every(trace_s, step_s, period_s)
+    {
+        note(trace, "output.trace_period_s", trace_s, wanted);
     }
 }

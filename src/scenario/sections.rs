@@ -1,6 +1,6 @@
 //! The fixed sections of a scenario file. What is chosen by name brings its own keys; see the catalog.
 
-use super::{headway::HeadwayMargin, selector::Selector};
+use super::{headway::HeadwayMargin, selector::Selector, trace::Trace};
 use crate::{
     keys,
     keys::{Kind, Setting, Value},
@@ -58,6 +58,8 @@ keys! {
         lead_mps: f64 = 1.0, "m/s", 0.01..=100.0;
         /// bodies feel the slope of SUMO's road
         grade: bool = false;
+        /// the friction of SUMO's lanes multiplies that of the tyres
+        friction: bool = false;
     }
 }
 
@@ -68,7 +70,7 @@ keys! {
         vehicles: String = "vehicles.csv", form table_name;
         /// none, all or vehicle ids separated by commas
         trace: Trace = Trace::None;
-        /// time between rows of the trace; not set = SUMO's step
+        /// time between rows of the trace, whole steps or control periods; not set = SUMO's step
         trace_period_s: Option<f64>, "s", 0.0001..=3600.0;
         /// file of the trace: .csv, .parquet or .xml
         trace_file: String = "trace.csv", form table_name;
@@ -83,17 +85,6 @@ fn table_name(name: &str) -> Result<(), String> {
     Err("a file name without folder that ends in .csv, .parquet or .xml".to_owned())
 }
 
-/// Whose trajectories are traced.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Trace {
-    /// Nobody's.
-    None,
-    /// Every ego's.
-    All,
-    /// These vehicles'.
-    Ids(Vec<String>),
-}
-
 impl Setting for Selector {
     type Literal = Self;
     const KIND: Kind = Kind::Form(|text| Self::parse(text).map(drop));
@@ -104,27 +95,5 @@ impl Setting for Selector {
 
     fn to_value(&self) -> Option<Value> {
         Some(Value::Text(self.to_string()))
-    }
-}
-
-impl Setting for Trace {
-    type Literal = Self;
-    const KIND: Kind = Kind::Text;
-
-    fn from_value(value: &Value) -> Option<Self> {
-        let Value::Text(text) = value else { return None };
-        Some(match text.as_str() {
-            "" | "none" => Self::None,
-            "all" => Self::All,
-            ids => Self::Ids(ids.split(',').map(|id| id.trim().to_owned()).filter(|id| !id.is_empty()).collect()),
-        })
-    }
-
-    fn to_value(&self) -> Option<Value> {
-        Some(Value::Text(match self {
-            Self::None => "none".to_owned(),
-            Self::All => "all".to_owned(),
-            Self::Ids(ids) => ids.join(","),
-        }))
     }
 }

@@ -11,6 +11,7 @@ use super::{
     options::{given, list, without, writes},
     path::absolute,
     redirect::{Redirect, is_no_file},
+    sampling::Sampling,
     settings::Settings,
     setup::{Source, SumoSetup},
 };
@@ -73,6 +74,9 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
         }
     }
     line.push("step-length", &setup.step_length_s.to_string());
+    for (option, period_s) in Sampling::of(&settings, setup.step_length_s).periods {
+        line.push(option, &period_s);
+    }
     line.push("seed", &setup.seed.to_string());
     line.push("random", "false");
     line.push("step-method.ballistic", &setup.ballistic.to_string());

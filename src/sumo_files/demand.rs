@@ -12,6 +12,7 @@ use super::{
     options::INPUTS,
     path::absolute,
     redirect::writes_file,
+    sampling::{Sampling, configured_step_s},
     settings::Settings,
     setup::{Source, SumoSetup},
     xml::Element,
@@ -160,12 +161,13 @@ fn refuse(setup: &SumoSetup, settings: &Settings, end: Option<Place>) -> Result<
 /// What the scenario changes in its configuration, in one line.
 fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Option<String> {
     let configuration = settings.configuration.as_ref()?;
-    let step_s = settings.value("step-length").map_or(Some(1.0), |v| v.parse::<f64>().ok());
+    let step_s = configured_step_s(settings);
     let ballistic = settings.is_on("step-method.ballistic");
     let mut changes = Vec::new();
     if step_s != Some(setup.step_length_s) {
         let theirs = step_s.map_or("unreadable".to_owned(), |s| format!("{s} s"));
         changes.push(format!("step length {} s instead of {theirs} (--step-length decides)", setup.step_length_s));
+        changes.extend(Sampling::of(settings, setup.step_length_s).notes());
     }
     if ballistic != setup.ballistic {
         let (ours, theirs) = if ballistic { ("Euler", "ballistic") } else { ("ballistic", "Euler") };

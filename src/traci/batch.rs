@@ -22,7 +22,10 @@ const ERROR_UNSUPPORTED_BYTES: usize = 70;
 
 /// A prebuilt command head for one object: what a per-step command copies before it appends its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Prefix(Box<[u8]>);
+pub struct Prefix {
+    head: Box<[u8]>,
+    known: bool,
+}
 
 impl Prefix {
     /// Prepares the commands for the object `id`.
@@ -31,9 +34,20 @@ impl Prefix {
     /// If the id is longer than [`MAX_ID_BYTES`].
     pub fn new(id: &str) -> Result<Self, BatchError> {
         check_id(id)?;
+        Ok(Self { known: false, ..Self::of_known(id) })
+    }
+
+    /// The same for an object that SUMO has named and keeps, such as the vType of a vehicle: no error text will repeat
+    /// its id, which may have any length.
+    #[must_use]
+    pub fn of_known(id: &str) -> Self {
         let mut head = vec![0, 0, 0];
         put_text(&mut head, id);
-        Ok(Self(head.into()))
+        Self { head: head.into(), known: true }
+    }
+
+    fn id_bytes(&self) -> &[u8] {
+        &self.head[3..]
     }
 }
 
@@ -157,7 +171,7 @@ impl Batch {
         Ok(self.expected.len() - 1)
     }
 
-    /// Copies a prefix and lets `tail` bytes follow; the whole stays below 255 bytes by the limit on ids.
+    /// Copies a prefix and lets `tail` bytes follow.
     fn push_prefixed(
         &mut self,
         prefix: &Prefix,
@@ -170,11 +184,16 @@ impl Batch {
             return Err(BatchError::AfterStep);
         }
         let start = self.bytes.len();
-        let length = prefix.0.len() + tail.len();
+        let length = prefix.head.len() + tail.len();
         let (Ok(short), Ok(_)) = (u8::try_from(length), i32::try_from(start + length)) else {
-            return Err(BatchError::TooLarge);
+            return self.push(command, answer, |out| {
+                out.push(variable);
+                out.extend_from_slice(prefix.id_bytes());
+                out.extend_from_slice(tail);
+                Ok(())
+            });
         };
-        self.bytes.extend_from_slice(&prefix.0);
+        self.bytes.extend_from_slice(&prefix.head);
         self.bytes[start..start + 3].copy_from_slice(&[short, command, variable]);
         self.bytes.extend_from_slice(tail);
         self.write_length();
@@ -244,6 +263,28 @@ impl Batch {
         Ok(Handle { index, kind: PhantomData })
     }
 
+    /// Asks for a variable that takes a parameter, of the object of `prefix`.
+    ///
+    /// # Errors
+    /// If id and parameter are too long, a number of the parameter is not finite, or behind a step.
+    pub fn get_with_by_prefix<T: FromValue, S, P: Shape>(
+        &mut self,
+        variable: Var<T, S, P>,
+        object: &Prefix,
+        parameter: P::Arg<'_>,
+    ) -> Result<Handle<T>, BatchError> {
+        let index = self.push(variable.domain.get_command(), Answer::Get(variable.id), |out| {
+            let start = out.len();
+            out.push(variable.id);
+            out.extend_from_slice(object.id_bytes());
+            P::put(parameter, out)?;
+            let length = out.len() - start;
+            let id = || String::from_utf8_lossy(&object.id_bytes()[4..]).into_owned();
+            if object.known || length <= MAX_GET_BYTES { Ok(()) } else { Err(too_long(&id(), length)) }
+        })?;
+        Ok(Handle { index, kind: PhantomData })
+    }
+
     /// Asks for a variable of the object `id`.
     ///
     /// # Errors
@@ -262,15 +303,7 @@ impl Batch {
         id: &str,
         parameter: P::Arg<'_>,
     ) -> Result<Handle<T>, BatchError> {
-        check_id(id)?;
-        let index = self.push(variable.domain.get_command(), Answer::Get(variable.id), |out| {
-            let start = out.len();
-            out.push(variable.id);
-            put_text(out, id);
-            P::put(parameter, out)?;
-            if out.len() - start > MAX_GET_BYTES { Err(too_long(id, out.len() - start)) } else { Ok(()) }
-        })?;
-        Ok(Handle { index, kind: PhantomData })
+        self.get_with_by_prefix(variable, &Prefix::new(id)?, parameter)
     }
 
     /// Sets a variable of the object `id`.

@@ -93,13 +93,13 @@ pub enum Error {
         after: Duration,
     },
     /// SUMO closed the connection: it ended or was killed.
-    #[error("SUMO ended the connection")]
+    #[error("SUMO ended the connection: {0}")]
     Disconnected(#[source] std::io::Error),
     /// An earlier error finished the connection.
     #[error("the connection to SUMO is finished after an earlier error")]
     Finished,
     /// Nobody listens there.
-    #[error("cannot connect to SUMO at {address}")]
+    #[error("cannot connect to SUMO at {address}: {source}")]
     Connect {
         /// Where.
         address: String,
@@ -116,7 +116,7 @@ pub enum Error {
     #[error("{0}")]
     NotFound(String),
     /// The operating system does not start SUMO, or its log cannot be written.
-    #[error("cannot start SUMO: {}", .path.display())]
+    #[error("cannot start SUMO: {}: {source}", .path.display())]
     Start {
         /// The binary or log file.
         path: PathBuf,

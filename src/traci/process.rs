@@ -197,16 +197,19 @@ fn free_port() -> std::io::Result<u16> {
 /// The last lines of a log, without the step counter and what SUMO says of commands that it declined: those are not why
 /// it ended.
 fn last_words(log: &Path) -> String {
-    let mut bytes = Vec::new();
+    let (mut bytes, mut begin) = (Vec::new(), 0);
     let read = File::open(log).and_then(|mut file| {
-        let length = file.metadata()?.len();
-        file.seek(SeekFrom::Start(length.saturating_sub(REPORT_BYTES)))?;
+        begin = file.metadata()?.len().saturating_sub(REPORT_BYTES);
+        file.seek(SeekFrom::Start(begin))?;
         file.read_to_end(&mut bytes)
     });
     if let Err(error) = read {
         return if error.kind() == ErrorKind::NotFound { String::new() } else { error.to_string() };
     }
-    let text = String::from_utf8_lossy(&bytes);
+    let mut text = String::from_utf8_lossy(&bytes).into_owned();
+    if let (true, Some((_, whole_lines))) = (begin > 0, text.split_once('\n')) {
+        text = whole_lines.to_owned();
+    }
     let noise = |line: &str| line.starts_with("Step #") || line.starts_with("Error: Answered with error to command");
     let lines: Vec<_> = text.split(['\n', '\r']).filter(|line| !line.trim().is_empty() && !noise(line)).collect();
     lines[lines.len().saturating_sub(REPORT_LINES)..].join("\n")
@@ -232,6 +235,9 @@ mod tests {
         let words = last_words(&log);
         assert_eq!(words.lines().count(), REPORT_LINES);
         assert!(words.starts_with("line 19\n") && words.ends_with("Error: bad"), "{words}");
+        let long = "word ".repeat(REPORT_BYTES as usize);
+        std::fs::write(&log, format!("{long}\nError: bad")).unwrap();
+        assert_eq!(last_words(&log), "Error: bad", "nothing begins in the middle of a line");
     }
 
     #[tokio::test]

@@ -11,6 +11,8 @@ use sumo_mfc::traci::{Domain, Error, Value, lane, vehicle, vehicletype};
 pub const STEP_S: f64 = 0.1;
 /// The limit of every lane [m/s].
 pub const LIMIT_MPS: f64 = 20.0;
+/// The friction of every lane.
+pub const FRICTION: f64 = 0.2;
 const LENGTH_M: f64 = 5.0;
 const ACCEL_MPS2: f64 = 2.6;
 const DECEL_MPS2: f64 = 4.5;
@@ -183,6 +185,10 @@ impl Sumo for Fake {
         Ok(Joined { step_s: STEP_S, time_s: 0.0, expected: 1, present })
     }
 
+    async fn option(&mut self, _: &str) -> Result<Option<String>, CosimError> {
+        Ok(None)
+    }
+
     async fn end_s(&mut self) -> Result<f64, CosimError> {
         Ok(-1.0)
     }
@@ -229,6 +235,7 @@ impl Sumo for Fake {
                 driver.carried = (begins..ends).contains(&step);
                 if ends == step {
                     driver.car.position_m += 100.0;
+                    driver.odometer_m += 100.0;
                     driver.car.speed_mps = 3.0;
                 }
             }
@@ -305,6 +312,7 @@ impl<'a> Gets<'a> for Values<'a> {
         match domain {
             Domain::VehicleType => Some(type_value(self.id, variable)),
             Domain::Lane if variable == lane::MAX_SPEED.id => Some(Value::Double(LIMIT_MPS)),
+            Domain::Lane if variable == lane::FRICTION.id => Some(Value::Double(FRICTION)),
             Domain::Vehicle => {
                 self.gone = self.driver.is_none();
                 vehicle_value(self.driver?, variable)
@@ -342,6 +350,8 @@ fn vehicle_value(driver: &Driver, variable: u8) -> Option<Value<'_>> {
         v if v == vehicle::DECEL.id => Some(Value::Double(driver.decel_mps2)),
         v if v == vehicle::SPEED_FACTOR.id => Some(Value::Double(driver.speed_factor)),
         v if v == vehicle::SPEED_MODE.id => Some(Value::Int(driver.speed_mode)),
+        v if v == vehicle::MAX_SPEED.id => Some(Value::Double(driver.car.speed_max_mps)),
+        v if v == vehicle::STOP_STATE.id => Some(Value::Int(0)),
         v if v == vehicle::IMPERFECTION.id => Some(Value::Double(driver.imperfection)),
         v if v == vehicle::TAU.id => Some(Value::Double(driver.headway_s)),
         v if v == vehicle::PARAMETER.id => Some(Value::Text("")),

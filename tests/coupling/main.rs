@@ -384,3 +384,26 @@ fn law_when_sumo_is_told_changes_nothing() {
 fn law_other_chunks_change_nothing() {
     assert_eq!(crowd(false, 0), crowd(false, 300));
 }
+
+/// What a car is carried is not counted as a difference of the two ways.
+#[test]
+fn a_teleport_leaves_no_gap_between_odometer_and_body() {
+    for teleport in [(100, 120), (100, 100)] {
+        let mut world = world(Fake::new([Car { teleport: Some(teleport), ..Car::new("a", 0, 0) }]), &[]);
+        step(&mut world, 200);
+        let gap_m = record(&end(world), "a").odometer_gap_m.unwrap();
+        assert!(gap_m.abs() < 0.2, "{teleport:?}: {gap_m} m");
+    }
+}
+
+/// With `coupling.friction` the tyres have the lane's friction from the first step on.
+#[test]
+fn the_friction_of_the_lane_reaches_the_tyres() {
+    for (friction, wanted) in [("true", fake::FRICTION), ("false", 1.0)] {
+        let set = format!("coupling.friction={friction}");
+        let mut world = world(Fake::new([Car::new("a", 0, 2)]), &[&set, "vehicle.preset=car", "vehicle.friction=1"]);
+        step(&mut world, 3);
+        let (ego, block) = world.driving().next().unwrap();
+        assert_eq!(block.plant().body(ego.slot.lane()).friction, [wanted; 4]);
+    }
+}

@@ -389,3 +389,69 @@ fn a_moment_without_vehicles_ends_nothing() {
         assert!(rows.len() >= 4 && rows.iter().all(arrived), "{end:?}: {rows:?}");
     }
 }
+
+/// What a vehicle is carried by a teleport or by a stop with `jump` is no difference between body and odometer.
+#[test]
+fn what_a_vehicle_is_carried_is_not_in_its_odometer_gap() {
+    let jumps = r#"<vehicle id="a" type="car" depart="0"><route edges="ab bc"/><stop lane="ab_0" endPos="200" duration="5" jump="0"/><stop lane="bc_0" endPos="600" duration="5"/></vehicle>"#;
+    let jump = on_the_road(NEW, jumps, &["--end", "80"]).vehicle("a");
+    assert_eq!(jump["reason"], "running", "{jump:?}");
+    assert!(number(&jump, "distance") < 1500.0 && number(&jump, "odometer_gap").abs() < 1.0, "{jump:?}");
+    for version in [NEW, OLD] {
+        let result = run(version, &own("light"), &["--", "--time-to-teleport", "10"]);
+        assert_eq!(result.sumo("teleports"), 1.0, "SUMO {version}");
+        for row in result.vehicles() {
+            assert!(number(&row, "odometer_gap").abs() < 1.0, "SUMO {version}: {row:?}");
+        }
+    }
+}
+
+/// Where the body leads, SUMO's own time loss is against the speed factor of 100 that the vehicle has meanwhile.
+#[test]
+fn time_is_lost_against_the_vehicles_own_speed_factor() {
+    let demand = r#"<vehicle id="a" type="car" depart="0"><route edges="ab bc"/><stop lane="ab_0" endPos="500" duration="20"/></vehicle>"#;
+    for version in [NEW, OLD] {
+        let loss_s = |args: &[&str]| {
+            let result = on_the_road(version, demand, args);
+            let row = result.vehicle("a");
+            assert_eq!(row["reason"], "arrived", "SUMO {version}");
+            let (own_s, mean_s) = (number(&row, "timeloss"), result.sumo("time_loss_mean_s"));
+            assert!((own_s - mean_s).abs() < 0.01, "SUMO {version}: the only vehicle: {own_s}, {mean_s}");
+            own_s
+        };
+        let traffic_s = loss_s(&[]);
+        let limit_s = loss_s(&["--target", "limit"]);
+        // Starting, braking for the stop and starting again cost about 4 s each time; standing there costs nothing.
+        assert!(traffic_s > 5.0 && traffic_s < 20.0, "SUMO {version}: {traffic_s}");
+        assert!((limit_s - traffic_s).abs() < 5.0, "SUMO {version}: {limit_s} s against {traffic_s} s");
+    }
+}
+
+/// vTypes may have ids of any length; SUMO dies only of long ids that it does not know.
+#[test]
+fn a_vtype_may_have_a_long_id() {
+    let id = "t".repeat(215);
+    let car = CAR
+        .replace(r#"id="car""#, &format!(r#"id="{id}""#))
+        .replace("/>", r#"><param key="mfc.mass" value="2000"/></vType>"#);
+    let demand = format!(r#"{car}<vehicle id="a" type="{id}" depart="0"><route edges="ab bc"/></vehicle>"#);
+    for version in [NEW, OLD] {
+        let result = on_the_road(version, &demand, &["--end", "30"]);
+        assert_eq!(result.vehicle("a")["type"], id, "SUMO {version}: {}", result.ended.stderr);
+        assert!(!result.ended.stderr.contains("cannot be egos"), "{}", result.ended.stderr);
+    }
+}
+
+/// A vType that asks for more than tyres can hold: the run says so.
+#[test]
+fn what_a_body_cannot_give_is_told() {
+    let demand = r#"<vType id="rocket" accel="12" decel="4.5" sigma="0"/>
+        <vehicle id="a" type="rocket" depart="0"><route edges="ab bc"/></vehicle>"#;
+    let said = on_the_road(NEW, demand, &["--end", "20"]).ended.stderr;
+    let line = r#"1 vTypes allow more than their bodies can do; the first, "rocket": accel 12.0 and emergencyDecel 9.0 m/s², the body 9.8"#;
+    assert!(said.contains(line), "{said}");
+    let plain = on_the_road(NEW, &demand.replace("12", "2.6"), &["--end", "20"]).ended.stderr;
+    assert!(!plain.contains("allow more"), "{plain}");
+    let ideal = on_the_road(NEW, demand, &["--end", "20", "--controller", "ideal"]).ended.stderr;
+    assert!(!ideal.contains("allow more"), "no body: {ideal}");
+}

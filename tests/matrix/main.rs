@@ -27,6 +27,7 @@ const CONDITIONS: &[(&str, &[&str], &[&str])] = &[
     ("lag 0.3 s", &["--set", "actuator.lag_s=0.3"], &[]),
     ("dead time 0.1 s", &["--set", "actuator.delay_s=0.1"], &[]),
     ("dead time 0.25 s", &["--set", "actuator.delay_s=0.25"], &[]),
+    ("0.25 s, headway", &["--set", "actuator.delay_s=0.25", "--set", "traffic.headway_margin_s=auto"], &[]),
     ("sigma + 0.1 s", &["--set", "traffic.sigma=0.5", "--set", "actuator.delay_s=0.1"], &[]),
     ("noise + 0.1 s", &["--set", "noise.power_db=-6", "--set", "actuator.delay_s=0.1"], &[]),
     ("mass 1200 to 2600 kg", &["--set", "vehicle.mass_kg={distribution=\"uniform\",min=1200,max=2600}"], &[]),
@@ -55,6 +56,7 @@ struct Cell {
     time_loss_s: Option<f64>,
     contacts: u64,
     teleports: u64,
+    crept: u64,
     error_rms_mps: [f64; 2],
     rows: u64,
 }
@@ -82,6 +84,7 @@ impl Case<'_> {
             time_loss_s: summary["sumo"]["time_loss_mean_s"].as_f64(),
             contacts: count("collisions"),
             teleports: count("teleports"),
+            crept: summary["counts"]["crept"].as_u64().unwrap_or_default(),
             error_rms_mps: [error("p50"), error("p95")],
             rows: table(&dir.join("vehicles.csv")).len() as u64,
         })
@@ -94,8 +97,8 @@ impl Cell {
         let loss = self.time_loss_s.map_or("-".to_owned(), |s| format!("{s:.1}"));
         let [p50, p95] = self.error_rms_mps;
         format!(
-            "{:>5} of {:<5} {loss:>6} {:>8} {:>9} {p50:>7.3} {p95:>7.3}",
-            self.arrived, self.inserted, self.contacts, self.teleports
+            "{:>5} of {:<5} {loss:>6} {:>8} {:>9} {:>5} {p50:>7.3} {p95:>7.3}",
+            self.arrived, self.inserted, self.contacts, self.teleports, self.crept
         )
     }
 }
@@ -181,6 +184,7 @@ fn on_a_grid_all_arrive_whatever_the_condition() {
         assert!(cell.arrived as f64 >= 0.97 * reference.arrived as f64, "{name}, {controller}: {}", cell.line());
         let loss_s = cell.time_loss_s.unwrap();
         assert!(loss_s < 1.25 * reference.time_loss_s.unwrap() + 1.0, "{name}, {controller}: {}", cell.line());
+        assert_eq!(cell.crept, 0, "{name}, {controller}: {}", cell.line());
         if !name.contains("0.25 s") {
             assert_eq!((cell.contacts, cell.teleports), (0, 0), "{name}, {controller}");
         }
@@ -200,7 +204,7 @@ fn the_whole_matrix() {
     ];
     let cases = cases(&scenarios, CONDITIONS);
     println!(
-        "scenario      condition         controller    arrived         loss s contacts teleports  error RMS p50, p95 m/s"
+        "scenario      condition         controller    arrived         loss s contacts teleports crept  error RMS p50, p95 m/s"
     );
     let failed = AtomicUsize::new(0);
     run_all(&cases, |case, cell| {
