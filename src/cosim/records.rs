@@ -95,6 +95,8 @@ pub struct Counters {
     pub crept: u64,
     /// Departed vehicles that were to be egos but cannot be, with the reason.
     pub refused: Vec<(String, String)>,
+    /// Egos of less than half or more than twice the mass that preset and vType give, in words.
+    pub odd_masses: Vec<String>,
 }
 
 /// Records, roads and counters.
