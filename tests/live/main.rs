@@ -9,6 +9,7 @@ mod foreign;
 mod grade;
 mod identical;
 mod lifecycle;
+mod names;
 mod session;
 mod settings;
 mod step;
