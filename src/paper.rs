@@ -101,6 +101,9 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
         let results = Results { rows: whole.rows.clone(), ..Results::default() };
         whole.extend(law::run(&lab, &lab.library.presets[0], &results)?);
     }
+    if let Some(own) = &request.driver {
+        whole.text += &driver::note(&lab, presets[0], own)?;
+    }
     if let Some(found) = beyond(request, &lab, presets[0])? {
         whole.extend(found);
     }

@@ -29,6 +29,13 @@ pub enum Target {
     Profile(Arc<Profile>),
 }
 
+impl Target {
+    /// How its recording was smoothed, if it is one.
+    pub fn note(&self) -> Option<&str> {
+        if let Self::Profile(profile) = self { profile.note() } else { None }
+    }
+}
+
 /// Builds a target from its checked keys; files are relative to the folder.
 pub type Build = Arc<dyn Fn(&Values, &Path) -> Result<Target, ReferenceError> + Send + Sync>;
 

@@ -23,10 +23,11 @@ mod xml;
 
 pub(crate) use arguments::ours;
 pub use arguments::{SumoCommand, sumo_arguments};
-pub(crate) use demand::{Demand, LeftOpen};
+pub(crate) use demand::{Demand, LeftOpen, Param};
 pub use equipped::Equipped;
 pub use error::SumoFileError;
 pub use log::left_out;
+pub(crate) use options::boolean;
 pub(crate) use path::{absolute, environment};
 pub use setup::{Source, SumoSetup};
 pub use statistics::SumoStatistics;

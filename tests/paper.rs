@@ -306,7 +306,8 @@ fn somebodys_own_recording_is_driven() {
         .arg(&out)
         .assert()
         .success()
-        .stdout(predicate::str::contains("index.html"));
+        .stdout(predicate::str::contains("index.html"))
+        .stdout(predicate::str::contains("mine.csv: 601 samples, 0.1000 s apart (median), averaged over 10 samples"));
     let text = fs::read_to_string(out.join("results.csv")).unwrap();
     assert!(text.contains("driver,default,on,adaptive,error_rms,"), "{text}");
     assert!(text.contains("driver_path,default,off,classic,error_rms,"), "a yaw rate gives a path: {text}");

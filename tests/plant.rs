@@ -702,6 +702,32 @@ fn keys_override_the_preset_and_only_what_they_name() {
 }
 
 #[test]
+fn law_factors_make_of_every_preset_the_same_kind_of_vehicle() {
+    for entry in BODIES.iter() {
+        let (preset, mut body) = ((entry.build)(), (entry.build)());
+        body.apply(&BodyKeys {
+            mass_factor: Some(1.5),
+            friction_factor: Some(0.5),
+            stiffness_factor: Some(0.8),
+            torque_factor: Some(0.25),
+            ..BodyKeys::default()
+        });
+        let numbers = |b: &Body| {
+            let stiffness = b.cornering_stiffness_nprad()[1];
+            let per_load = stiffness / b.mass_kg / b.friction[0];
+            [b.mass_kg, b.yaw_inertia_kgm2, b.friction[3], per_load, b.drive_torque_max_nm, b.brake_torque_max_nm]
+        };
+        let wanted = [1.5, 1.5, 0.5, 0.8, 0.25, 0.25];
+        for ((now, before), factor) in numbers(&body).into_iter().zip(numbers(&preset)).zip(wanted) {
+            assert!((now / before / factor - 1.0).abs() < 1e-12, "{}: {now} of {before}, not {factor}", entry.name);
+        }
+    }
+    let mut body = car();
+    body.apply(&BodyKeys { mass_kg: Some(2000.0), mass_factor: Some(0.5), ..BodyKeys::default() });
+    assert_eq!(body.mass_kg, 1000.0, "a factor is one of the other key's value");
+}
+
+#[test]
 fn a_measured_curve_gives_tyre_and_friction() {
     let mut body = car();
     let tyre = body.longitudinal[0];

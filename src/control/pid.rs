@@ -1,20 +1,21 @@
-//! Velocity-form PI(D), the baseline: what a practitioner would fit first.
+//! PI(D) with feed-forward, the baseline: what a practitioner would fit first.
 //!
 //! ```text
-//! a_k = a*_{k−1} − k_p (e_k − e_{k−1}) − k_i Δt e_k − k_d (e_k − 2e_{k−1} + e_{k−2})/Δt + k_ff (ẏ_r,k − ẏ_r,k−1)
+//! a_k = I_k − k_p e_k − k_d (e_k − e_{k−1})/Δt + k_ff ẏ_r,k          I_k = I_{k−1} − k_i Δt e_k
 //! ```
-//! with a the nominal vehicle's acceleration (torque = a·M·r) and a*_{k−1} the previous one within the actuator's limits:
-//! what the limits cut off is not accumulated, which is the anti-windup (Åström and Hägglund 1995, Section 3.5).
+//! with a the nominal vehicle's acceleration (torque = a·M·r). As long as the actuator's limits cut something off, the
+//! integral takes nothing up that would have more cut off (Åström and Hägglund 1995, Section 3.5); it is the only memory, so
+//! what is cut off of the other terms is gone with them. (In velocity form, with the limited torque for its state, half of
+//! a spike of the reference stays: its rise is cut off and its fall is not.)
 //! With ẏ_r = (y_r,k − y_r,k−1)/Δt, k_d = k_ff = 0, k_p = 1/(αΔt) and k_i = K_P/(αΔt) it is the classic model-free law
 //! with the two-point estimator.
 //!
 //! # Default tuning
 //! Chosen on the same drive and disturbances as the model-free laws (see `mfc.rs`), from a grid of the same size: k_p = 1/s
 //! and k_i = 1/s² give the least error over wrong mass, lag, dead time up to 250 ms and noise among the gains that stay
-//! damped (ζ = 0.5). More k_p tracks a wrong mass better, but noise then drives the torque into its limits, where the velocity form
-//! forgets what was cut off and drifts.
+//! damped (ζ = 0.5). More k_p tracks a wrong mass better, but noise then drives the torque into its limits.
 
-use super::bounds::RateKeys;
+use super::bounds::{INPUT_MAX_MPS2, RateKeys};
 use super::controller::{Actuation, Build, Command, Controller, Observation, law};
 use crate::columns::{Slots, columns};
 use crate::keys;
@@ -22,7 +23,7 @@ use crate::lanes::{LANES, vectorised};
 use crate::registry::Entry;
 
 keys! {
-    /// Keys of the velocity form.
+    /// Keys of the law.
     struct PidKeys {
         /// acceleration per speed error
         k_p: f64 = 1.0, "1/s", 0.0..=1e6;
@@ -37,7 +38,7 @@ keys! {
 }
 
 pub(super) fn entry() -> Entry<Build> {
-    law("pid", "velocity-form PI(D) with feed-forward and anti-windup, the baseline", Pid::new)
+    law("pid", "PI(D) with feed-forward and anti-windup, the baseline", Pid::new)
 }
 
 /// The gains per period [1/s].
@@ -53,14 +54,12 @@ columns! {
     /// What one period leaves to the next.
     struct Memory {
         columns {
-            /// The limited acceleration a*_{k−1} [m/s²].
-            accel: f64 = 0.0,
+            /// The integral I_{k−1} [m/s²].
+            integral: f64 = 0.0,
             /// e_{k−1} [m/s].
             error: f64 = 0.0,
-            /// e_{k−1} − e_{k−2} [m/s].
-            change: f64 = 0.0,
-            /// ẏ_r,k−1 [m/s²].
-            rate: f64 = 0.0,
+            /// What the limits cut off the last torque [m/s²].
+            excess: f64 = 0.0,
         }
     }
 }
@@ -85,11 +84,11 @@ impl Pid {
 
 impl Controller for Pid {
     fn command(&mut self, observation: &Observation, command: &mut Command) {
-        velocity_form(&self.law, observation, &mut self.memory, command);
+        pid(&self.law, observation, &mut self.memory, command);
     }
 
     fn feedback(&mut self, actuation: &Actuation) {
-        self.memory.accel = actuation.saturated_mps2;
+        self.memory.excess = std::array::from_fn(|i| actuation.commanded_mps2[i] - actuation.saturated_mps2[i]);
     }
 
     fn reset(&mut self, slot: usize, _speed_mps: f64) {
@@ -98,18 +97,17 @@ impl Controller for Pid {
 }
 
 vectorised! {
-    fn velocity_form(law: &Law, observed: &Observation, memory: &mut Memory, command: &mut Command) {
+    fn pid(law: &Law, observed: &Observation, memory: &mut Memory, command: &mut Command) {
         for i in 0..LANES {
             let rate = law.rate.bound(observed.reference_rate_mps2[i]);
             let e = observed.measured_mps[i] - observed.reference_mps[i];
             let change = e - memory.error[i];
-            let accel = memory.accel[i] + law.k_ff * (rate - memory.rate[i])
-                - law.k_p * change
-                - law.k_i_dt * e
-                - law.k_d_per_dt * (change - memory.change[i]);
+            let step = -law.k_i_dt * e;
+            let step = if step * memory.excess[i] > 0.0 { 0.0 } else { step };
+            let integral = (memory.integral[i] + step).clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
+            let accel = integral - law.k_p * e - law.k_d_per_dt * change + law.k_ff * rate;
+            memory.integral[i] = integral;
             memory.error[i] = e;
-            memory.change[i] = change;
-            memory.rate[i] = rate;
             command.ask(i, accel, observed.nominal_nm_per_mps2[i], 1.0);
         }
     }

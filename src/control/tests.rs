@@ -161,7 +161,7 @@ fn law_error_obeys_its_equation_in_a_consistent_loop() {
 }
 
 #[test]
-fn law_with_a_rectangular_derivative_classic_is_a_velocity_form_pi() {
+fn law_with_a_rectangular_derivative_classic_is_a_pi() {
     let (alpha, k_p) = (40.0, 1.7);
     let mut classic = build(
         "classic",
@@ -340,6 +340,34 @@ fn default_tuning_tracks_stop_and_go() {
         let saturated = rms(&mut *build(name, &[("input_estimate", text("saturated"))]), delayed);
         let applied = rms(&mut *build(name, &[]), delayed);
         assert!(saturated > 2.0 * applied, "{name}: {saturated} against {applied}");
+    }
+}
+
+#[test]
+fn law_a_spike_beyond_the_limits_leaves_nothing_behind() {
+    // 20 m/s, for 0.1 s a triangle of 1 m/s: rates of ±20 m/s², limits of +3.5 and −8 m/s².
+    for entry in laws() {
+        let mut controller = build(entry.name, &[]);
+        controller.reset(0, 20.0);
+        let (mut y, mut reference, mut later) = (20.0, 20.0, 0.0_f64);
+        for k in 0..300 {
+            let rate = [0.0, 20.0, -20.0, 0.0][if k < 100 { 0 } else { ((k - 95) / 5).min(3) }];
+            let mut command = Command::default();
+            controller.command(&observe(y, reference, rate), &mut command);
+            let (gain, torque) = (command.gain_mps2_per_nm[0], command.torque_nm[0]);
+            let limited = torque.clamp(-8.0 * NOMINAL, 3.5 * NOMINAL);
+            controller.feedback(&Actuation {
+                commanded_mps2: [gain * torque; LANES],
+                saturated_mps2: [gain * limited; LANES],
+                applied_mps2: [gain * limited; LANES],
+            });
+            y += PERIOD_S * limited / NOMINAL;
+            reference += PERIOD_S * rate;
+            if k >= 150 {
+                later = later.max((y - reference).abs());
+            }
+        }
+        assert!(later < 0.2, "{}: {later} m/s", entry.name);
     }
 }
 

@@ -4,7 +4,7 @@
 //! type) are asked for while the bodies drive, only in steps with departures, so that the next step can already carry its
 //! body's speed.
 
-use super::bodies::{self, TypeFacts, parameter_keys, parameter_names, preset_of_class};
+use super::bodies::{self, TypeFacts, preset_of_class};
 use super::error::CosimError;
 use super::leader::Before;
 use super::question::{Gets, NoAnswer, Object, Question};
@@ -13,14 +13,18 @@ use super::sumo::Sumo;
 use crate::fleet::VehicleSetup;
 use crate::keys::Key;
 use crate::random::Stream;
-use crate::scenario::{EgoInfo, Group, HeadwayMargin, Selector};
+use crate::scenario::{EgoInfo, Group, HeadwayMargin, Selector, parameter_keys, parameter_names};
 use crate::sumo_files::Equipped;
 use crate::traci::{Var, vehicle, vehicletype};
 use std::collections::{BTreeSet, HashMap};
+use std::ops::RangeInclusive;
 
 /// Vehicles that are asked about in one message, some 60 values each: a crowd that departs at once must not make the
 /// buffers large for good.
 const ASKED_AT_ONCE: usize = 64;
+
+/// A mass between these shares of what preset and vType say is one that such a vehicle can have, empty or loaded.
+const USUAL_MASS: RangeInclusive<f64> = 0.5..=2.0;
 
 /// Who becomes an ego, and what of.
 pub struct Rules {
@@ -202,13 +206,17 @@ impl Admission {
         };
         let Rules { groups, tyre_curves, seed, .. } = &self.rules;
         let curve = tyre_curves[group].as_deref();
-        let setup = bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
+        let (setup, usual_kg) =
+            bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
         let has_body = groups[group].has_body();
         if has_body && !counters.beyond_body.contains_key(&departed.type_id) {
             let (asked, given) = ([facts.accel_mps2, facts.emergency_decel_mps2], setup.body.acceleration_max_mps2());
             if asked[0] > given[0] || asked[1] > given[1] {
                 counters.beyond_body.insert(departed.type_id.clone(), [asked, given]);
             }
+        }
+        if !USUAL_MASS.contains(&(setup.body.mass_kg / usual_kg)) {
+            counters.odd_masses.push(format!("\"{id}\": {:.0} kg instead of {usual_kg:.0} kg", setup.body.mass_kg));
         }
         let margin_s = self
             .rules

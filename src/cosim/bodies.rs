@@ -3,12 +3,12 @@
 
 use super::error::CosimError;
 use crate::fleet::{ActuatorSetup, VehicleSetup};
-use crate::keys::{Key, Keys, Kind, Value};
+use crate::keys::{Key, Keys, Value, Values};
 use crate::measurement::sigma_mps;
 use crate::plant::{ActuatorKeys, Body, BodyKeys};
 use crate::random::Stream;
 use crate::registry::find;
-use crate::scenario::{Group, Preset};
+use crate::scenario::{Group, Parameter, Preset};
 
 /// What is asked of SUMO about a vType.
 #[derive(Debug, Clone, Default)]
@@ -25,29 +25,12 @@ pub struct TypeFacts {
     pub emergency_decel_mps2: f64,
     /// Time between two decisions of SUMO's driver \[s\].
     pub action_step_s: f64,
-    /// `mfc.*` parameters, of [`parameter_keys`].
+    /// `mfc.*` parameters.
     pub parameters: Vec<(&'static Key, String)>,
     /// `has.mfc.device`.
     pub equipped: Option<bool>,
     /// `device.mfc.probability`.
     pub probability: Option<f64>,
-}
-
-/// All keys that a vehicle or vType may carry as `mfc.<key>`.
-pub fn parameter_keys() -> impl Iterator<Item = &'static Key> {
-    BodyKeys::keys().iter().filter(|k| !matches!(k.kind, Kind::File)).chain(ActuatorKeys::keys())
-}
-
-/// Names under which SUMO is asked for the parameter of a key: `mfc.mass_kg` and, shorter, `mfc.mass`.
-pub fn parameter_names(key: &Key) -> Vec<String> {
-    let mut names = vec![format!("mfc.{}", key.name)];
-    if let Kind::Number { unit, .. } = key.kind
-        && unit != "-"
-        && let Some((short, _)) = key.name.rsplit_once('_')
-    {
-        names.push(format!("mfc.{short}"));
-    }
-    names
 }
 
 /// The preset for a vClass; `None` for what has no four wheels.
@@ -63,7 +46,8 @@ pub fn preset_of_class(class: &str) -> Option<&'static str> {
     }
 }
 
-/// Builds the vehicle `id` of `group`; `tyre_curve` is the content of the file that the group's key names.
+/// Builds the vehicle `id` of `group`, and tells the mass that it has by preset and vType alone \[kg\]; `tyre_curve` is
+/// the content of the file that the group's key names.
 ///
 /// # Errors
 /// If a `mfc.*` parameter is not what its key takes.
@@ -75,7 +59,7 @@ pub fn vehicle(
     tyre_curve: Option<&str>,
     seed: u64,
     speed_mps: f64,
-) -> Result<VehicleSetup, CosimError> {
+) -> Result<(VehicleSetup, f64), CosimError> {
     let (preset, by_class) = match &group.vehicle.preset {
         Preset::Named(preset) => (preset, false),
         Preset::ByClass(bodies) => (find("body", bodies, preset_of_class(&facts.class).unwrap_or("car"))?, true),
@@ -84,6 +68,7 @@ pub fn vehicle(
     if by_class && matches!(preset.name, "bus" | "truck") {
         scale(&mut body, facts);
     }
+    let usual_kg = body.mass_kg;
     let keys = BodyKeys::from_values(&group.vehicle.body.values);
     body.apply(&keys);
     if let Some(curve) = tyre_curve {
@@ -96,14 +81,24 @@ pub fn vehicle(
     let mut actuator = group.actuator.values.clone();
     actuator.0.append(&mut group.actuator.draw(seed, id).0);
     for (key, text) in facts.parameters.iter().chain(parameters) {
-        given.0.insert(key.name, parse(id, key, text)?);
+        given.0.insert(key.name, parse(id, key, text)?.value(key, seed, id));
     }
+    replace_factors(&mut given, &group.vehicle.body.values);
     body.apply(&BodyKeys::from_values(&given));
     actuator.0.append(&mut given.0);
     let actuator = ActuatorKeys::from_values(&actuator);
     let actuator = ActuatorSetup { dead_time_s: actuator.delay_s, lag_s: actuator.lag_s };
     let noise = group.noise.power_db.map(|db| (Stream::new(seed, "noise", id), sigma_mps(db)));
-    Ok(VehicleSetup { body, nominal_nm_per_mps2, actuator, noise, speed_mps })
+    Ok((VehicleSetup { body, nominal_nm_per_mps2, actuator, noise, speed_mps }, usual_kg))
+}
+
+/// A vehicle's own factor takes the place of its group's, which is in the body already.
+fn replace_factors(own: &mut Values, group: &Values) {
+    for (name, value) in own.0.iter_mut().filter(|(name, _)| name.ends_with("_factor")) {
+        if let (Value::Number(factor), Some(applied)) = (value, group.get::<f64>(name).filter(|f| *f > 0.0)) {
+            *factor /= applied;
+        }
+    }
 }
 
 /// A bus or truck of another mass and length than the preset's: axles move with the length, inertia with both, and the
@@ -127,30 +122,20 @@ fn cover_type(body: &mut Body, facts: &TypeFacts, set: &BodyKeys) {
     const RESERVE: f64 = 1.15;
     let given = (body.drive_torque_max_nm, body.brake_torque_max_nm);
     body.cover(RESERVE * facts.accel_mps2, RESERVE * facts.emergency_decel_mps2);
-    if set.drive_torque_max_nm.is_some() {
+    if set.drive_torque_max_nm.or(set.torque_factor).is_some() {
         body.drive_torque_max_nm = given.0;
     }
-    if set.brake_torque_max_nm.is_some() {
+    if set.brake_torque_max_nm.or(set.torque_factor).is_some() {
         body.brake_torque_max_nm = given.1;
     }
 }
 
-fn parse(id: &str, key: &Key, text: &str) -> Result<Value, CosimError> {
-    let value = match key.kind {
-        Kind::Flag => text.parse().ok().map(Value::Flag),
-        Kind::Number { min, max, .. } => {
-            text.parse::<f64>().ok().filter(|x| (min..=max).contains(x)).map(Value::Number)
-        }
-        _ => None,
-    };
-    value.ok_or_else(|| CosimError::Parameter {
+fn parse(id: &str, key: &Key, text: &str) -> Result<Parameter, CosimError> {
+    Parameter::read(key, text).map_err(|wanted| CosimError::Parameter {
         vehicle: id.to_owned(),
         key: format!("mfc.{}", key.name),
         found: text.to_owned(),
-        wanted: match key.kind {
-            Kind::Number { unit, min, max } => format!("a number from {min} to {max} {unit}"),
-            _ => "true or false".to_owned(),
-        },
+        wanted,
     })
 }
 
@@ -158,13 +143,56 @@ fn parse(id: &str, key: &Key, text: &str) -> Result<Value, CosimError> {
 mod tests {
     use super::*;
     use crate::plant::BODIES;
+    use crate::scenario::{Catalog, Override, Request, Scenario, parameter_keys};
+
+    /// Mass over the preset's, and over what the law believes, of the vehicle `id` with a parameter `mfc.mass_factor`.
+    fn masses(class: &str, id: &str, own: Option<&str>, sets: &[&str]) -> [f64; 2] {
+        let overrides = sets.iter().map(|set| Override::set(set).unwrap()).collect();
+        let scenario = Scenario::load_offline(&Request { scenario: None, overrides }, &Catalog::installed()).unwrap();
+        let key = parameter_keys().find(|key| key.name == "mass_factor").unwrap();
+        let own: Vec<_> = own.map(|text| (key, text.to_owned())).into_iter().collect();
+        let facts = TypeFacts { class: class.to_owned(), ..TypeFacts::default() };
+        let (setup, usual_kg) = vehicle(id, &facts, &own, &scenario.groups[0], None, 1, 0.0).unwrap();
+        let believed_kg = setup.nominal_nm_per_mps2 / setup.body.wheel_radius_m;
+        [setup.body.mass_kg / usual_kg, setup.body.mass_kg / believed_kg]
+    }
 
     #[test]
-    fn parameters_have_a_short_name_without_the_unit() {
-        let mass = BodyKeys::keys().iter().find(|k| k.name == "mass_kg").unwrap();
-        assert_eq!(parameter_names(mass), ["mfc.mass_kg", "mfc.mass"]);
-        let friction = BodyKeys::keys().iter().find(|k| k.name == "friction").unwrap();
-        assert_eq!(parameter_names(friction), ["mfc.friction"]);
+    fn law_a_factor_is_drawn_alike_for_every_kind_and_the_law_never_learns_it() {
+        let drawn = ["vehicle.mass_factor={distribution=\"uniform\", min=0.7, max=1.5}"];
+        for id in (0..50).map(|i| format!("v{i}")) {
+            let [car, truck] = ["passenger", "truck"].map(|class| masses(class, &id, None, &drawn));
+            assert!((0.7..=1.5).contains(&car[0]) && (car[0] - truck[0]).abs() < 1e-12, "{car:?} {truck:?}");
+            assert!((truck[0] - truck[1]).abs() < 1e-12, "{truck:?}");
+            let own = masses("truck", &id, Some("normal(1, 0.1, 0.9, 1.1)"), &drawn);
+            assert!((0.9..=1.1).contains(&own[0]), "{own:?}");
+        }
+        let [[a, _], [b, _]] = ["a", "b"].map(|id| masses("truck", id, Some("uniform(0.7, 1.5)"), &[]));
+        assert!(a != b, "each vehicle of a type draws its own");
+    }
+
+    #[test]
+    fn a_vehicles_own_factor_takes_the_place_of_the_groups() {
+        let [mass, believed] = masses("truck", "v", Some("1.5"), &["vehicle.mass_factor=1.2"]);
+        assert!((mass - 1.5).abs() < 1e-12 && (believed - 1.25).abs() < 1e-12, "{mass} {believed}");
+        let [mass, believed] = masses("truck", "v", None, &["vehicle.mass_factor=1.2"]);
+        assert!((mass - 1.2).abs() < 1e-12 && (believed - 1.0).abs() < 1e-12, "{mass} {believed}");
+    }
+
+    #[test]
+    fn a_factor_of_the_torque_limits_is_not_covered_up() {
+        let facts =
+            TypeFacts { class: "truck".into(), accel_mps2: 3.0, emergency_decel_mps2: 9.0, ..TypeFacts::default() };
+        let limits = |factor: Option<f64>| {
+            let mut body = (find("body", &BODIES, "truck").unwrap().build)();
+            let keys = BodyKeys { torque_factor: factor, ..BodyKeys::default() };
+            body.apply(&keys);
+            cover_type(&mut body, &facts, &keys);
+            [body.drive_torque_max_nm, body.brake_torque_max_nm]
+        };
+        let preset = (find("body", &BODIES, "truck").unwrap().build)();
+        assert_eq!(limits(Some(0.5)), [0.5 * preset.drive_torque_max_nm, 0.5 * preset.brake_torque_max_nm]);
+        assert!(limits(None)[0] > preset.drive_torque_max_nm);
     }
 
     #[test]

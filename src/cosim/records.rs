@@ -99,6 +99,8 @@ pub struct Counters {
     pub beyond_body: BTreeMap<String, [[f64; 2]; 2]>,
     /// Departed vehicles that were to be egos but cannot be, with the reason.
     pub refused: Vec<(String, String)>,
+    /// Egos of less than half or more than twice the mass that preset and vType give, in words.
+    pub odd_masses: Vec<String>,
 }
 
 /// Records, roads and counters.

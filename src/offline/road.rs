@@ -88,7 +88,7 @@ impl<'a> Road<'a> {
     pub fn trip(&self, index: usize, speed_mps: f64, end: End) -> Result<Trip, OfflineError> {
         let seed = self.scenario.sumo.seed + index as u64;
         let (group, tyres) = (&self.scenario.groups[0], self.tyre_curve.as_deref());
-        let vehicle = vehicle("ego", &TypeFacts::default(), &[], group, tyres, seed, speed_mps)?;
+        let (vehicle, _) = vehicle("ego", &TypeFacts::default(), &[], group, tyres, seed, speed_mps)?;
         Ok(Trip { vehicle, profile: Arc::clone(&self.profile), end })
     }
 

@@ -11,6 +11,7 @@ use crate::offline::{Moment, Road};
 use crate::scenario::Override;
 use rayon::prelude::*;
 use std::cmp::Ordering;
+use std::path::Path;
 
 /// What is driven: the name behind the test's, the file of `data/` or none for the test's own, along its track or straight.
 const ROUTES: &[Route] = &[
@@ -81,6 +82,14 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
 fn laws(preset: &Preset) -> Vec<&'static str> {
     let others = every_law().filter(|law| preset.name == DEFAULT && !CONTROLLERS.contains(law));
     CONTROLLERS.into_iter().chain(others).collect()
+}
+
+/// How somebody's own recording is smoothed, in a line.
+pub fn note(lab: &Lab, preset: &Preset, own: &Path) -> Result<String, PaperError> {
+    let file = Override::text("--driver", "target.file", &own.to_string_lossy());
+    let scenario = lab.library.scenario("driver", preset, "classic", &[file])?;
+    let road = Road::new(&scenario)?;
+    Ok(road.profile.note().map(|note| format!("{note}\n")).unwrap_or_default())
 }
 
 /// All routes along their tracks, or all straight ones, under one controller: they share a block.

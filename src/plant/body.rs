@@ -159,7 +159,19 @@ impl Body {
             set(field, value);
         }
         self.apply_tyres(keys);
+        self.apply_factors(keys);
         self.combined_slip = keys.combined_slip.unwrap_or(self.combined_slip);
+    }
+
+    /// Factors of what the preset and the other keys say.
+    fn apply_factors(&mut self, keys: &BodyKeys) {
+        let scale = |fields: &mut [&mut f64], factor: Option<f64>| {
+            fields.iter_mut().for_each(|field| **field *= factor.unwrap_or(1.0));
+        };
+        scale(&mut [&mut self.mass_kg, &mut self.yaw_inertia_kgm2], keys.mass_factor);
+        scale(&mut self.friction.each_mut(), keys.friction_factor);
+        scale(&mut self.lateral.each_mut().map(|tyre| &mut tyre.b), keys.stiffness_factor);
+        scale(&mut [&mut self.drive_torque_max_nm, &mut self.brake_torque_max_nm], keys.torque_factor);
     }
 
     /// Tyre shapes and friction: the key without an axle or wheel first, then the more special one.
@@ -369,6 +381,8 @@ keys! {
     pub struct BodyKeys {
         /// mass
         mass_kg: Option<f64>, "kg", 50.0..=100_000.0;
+        /// mass over what it is without this key; yaw inertia goes with it
+        mass_factor: Option<f64>, "-", 0.1..=10.0;
         /// yaw inertia
         yaw_inertia_kgm2: Option<f64>, "kg m2", 10.0..=2e6;
         /// centre of gravity to front axle
@@ -397,8 +411,12 @@ keys! {
         front_stiffness_nprad: Option<f64>, "N/rad", 1e3..=1e7;
         /// cornering stiffness of the rear axle; sets lateral B
         rear_stiffness_nprad: Option<f64>, "N/rad", 1e3..=1e7;
+        /// cornering stiffness of both axles over what it is without this key
+        stiffness_factor: Option<f64>, "-", 0.1..=10.0;
         /// friction of all wheels
         friction: Option<f64>, "-", 0.01..=2.0;
+        /// friction over what it is without this key
+        friction_factor: Option<f64>, "-", 0.01..=10.0;
         /// friction of this wheel
         friction_front_left: Option<f64>, "-", 0.01..=2.0;
         /// friction of this wheel
@@ -417,6 +435,8 @@ keys! {
         drive_torque_max_nm: Option<f64>, "N m", 0.0..=1e6;
         /// largest braking torque, sum over the wheels
         brake_torque_max_nm: Option<f64>, "N m", 0.0..=1e6;
+        /// limits of both torques over what they are without this key
+        torque_factor: Option<f64>, "-", 0.0..=10.0;
         /// drag area C_d A; 0 = no drag
         drag_area_m2: Option<f64>, "m2", 0.0..=20.0;
         /// rolling resistance coefficient; 0 = none

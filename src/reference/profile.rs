@@ -3,7 +3,7 @@
 use super::error::ReferenceError;
 use super::index::Index;
 use super::point::{Axis, Point};
-use super::recording::{self, RecordingOptions, Track};
+use super::recording::{self, Read, RecordingOptions, Track};
 use crate::trig::{Polynomial, Trig};
 use crate::{choice, keys};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -115,6 +115,7 @@ pub struct Profile {
     by: Axis,
     shape: Shape,
     track: Option<Track>,
+    note: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -143,8 +144,8 @@ impl Profile {
     /// # Errors
     /// [`ReferenceError::Read`] or [`ReferenceError::Content`] with file, line, column, what was found and what is wanted.
     pub fn from_file(path: &Path, options: &RecordingOptions) -> Result<Self, ReferenceError> {
-        let (by, points, track) = recording::read(path, options)?;
-        Ok(Self { by, shape: lines(&points), track })
+        let Read { by, points, track, note } = recording::read(path, options)?;
+        Ok(Self { by, shape: lines(&points), track, note })
     }
 
     /// Steps: `speeds_mps[i]` holds from `at[i]` (m or s) on, the first one before it as well.
@@ -163,7 +164,7 @@ impl Profile {
             return Err(ReferenceError::Value { key: "step_speeds_mps", found: format!("{speeds_mps:?}"), wanted });
         }
         let points = at.iter().zip(speeds_mps).map(|(&at, &speed_mps)| Point { at, speed_mps }).collect();
-        Ok(Self { by, shape: Shape::Steps(points), track: None })
+        Ok(Self { by, shape: Shape::Steps(points), track: None, note: None })
     }
 
     /// A sine around `mean_mps` that starts at the mean, with a wavelength (m) or period (s) of `length`.
@@ -181,7 +182,7 @@ impl Profile {
             let key = if by == Axis::Time { "sine_period_s" } else { "sine_wavelength_m" };
             return Err(ReferenceError::Value { key, found: length.to_string(), wanted: "a length above 0" });
         }
-        Ok(Self { by, shape: Shape::Sine { mean_mps, amplitude_mps, length }, track: None })
+        Ok(Self { by, shape: Shape::Sine { mean_mps, amplitude_mps, length }, track: None, note: None })
     }
 
     /// The reference speed [m/s] and its rate [m/s²] for a vehicle that has driven `position_m` in `time_s` and moves at
@@ -217,6 +218,11 @@ impl Profile {
     /// Curvature of the recorded track at a driven distance [1/m], left positive; 0 without a track and outside it.
     pub fn curvature_at(&self, position_m: f64) -> f64 {
         self.track.as_ref().map_or(0.0, |t| t.curvature_at(position_m))
+    }
+
+    /// How a recording was smoothed, in a line to tell the user.
+    pub fn note(&self) -> Option<&str> {
+        self.note.as_deref()
     }
 
     /// The track of a recording with a yaw rate.

@@ -19,6 +19,10 @@ const IMPLAUSIBLE_RADPS: f64 = 10.0;
 const GAP_S: f64 = 10.0;
 /// Intervals that differ by less from the mean one are those of a regular recording whose times were rounded.
 const REGULAR: f64 = 0.25;
+/// Intervals below this share of the median are those of one sample that was written twice.
+const DUPLICATE: f64 = 0.1;
+/// No vehicle gains or loses speed like this and back within one sample: a change of speed and an acceleration [m/s, m/s²].
+const SPIKE: (f64, f64) = (5.0, 50.0);
 /// Length over which a track's curvature is taken (m).
 const CURVATURE_BASE_M: f64 = 3.0;
 
@@ -113,8 +117,15 @@ fn interpolate(xs: &[f64], index: &Index, ys: &[f64], x: f64) -> f64 {
     }
 }
 
-/// The axis and points of a profile and, for a recording with a yaw rate, its track.
-type Read = (Axis, Vec<Point>, Option<Track>);
+/// What a file holds.
+pub(super) struct Read {
+    pub by: Axis,
+    pub points: Vec<Point>,
+    /// Where a recorded vehicle went, if its yaw rate is known.
+    pub track: Option<Track>,
+    /// How a recording was treated, in a line.
+    pub note: Option<String>,
+}
 
 /// Reads whatever profile is in `file`.
 pub(super) fn read(file: &Path, options: &RecordingOptions) -> Result<Read, ReferenceError> {
@@ -158,7 +169,7 @@ fn plain(table: &Table, at: &Column, by: Axis) -> Result<Read, ReferenceError> {
             ));
         }
     }
-    Ok((by, points(&at.values, &speed.values), None))
+    Ok(Read { by, points: points(&at.values, &speed.values), track: None, note: None })
 }
 
 fn points(at: &[f64], speeds_mps: &[f64]) -> Vec<Point> {
@@ -195,21 +206,97 @@ fn recording(table: &Table, time: &Column, options: &RecordingOptions) -> Result
             return Err(table.error(row, column, &format!("a {what} between -{bound} and {bound} {unit}")));
         }
     }
-    let t_s: Vec<f64> = time.values.iter().map(|t| t - time.values[0]).collect();
-    let average = Average::of(&t_s, options.smooth_s);
-    let zeros = vec![0.0; rows];
-    let yaw_rate = table.column(Quantity::YawRate);
-    let vx_mps: Vec<f64> = average.over(&t_s, &speed.values).iter().map(|v| v.max(0.0)).collect();
-    let vy_mps = average.over(&t_s, table.column(Quantity::SpeedY).map_or(&zeros, |c| &c.values));
-    let track = Track::reconstruct(&t_s, &vx_mps, &vy_mps, yaw_rate.map_or(&zeros, |c| &c.values));
+    let samples = Samples::of(table, time, speed);
+    let Samples { t_s, vx_mps, vy_mps, yaw_rate_radps, .. } = &samples;
+    if let Some(row) = samples.spike() {
+        let (change_mps, accel_mps2) = SPIKE;
+        let wanted = format!("a speed within {change_mps} m/s or {accel_mps2} m/s2 of the samples before and after");
+        return Err(table.error(row, speed, &wanted));
+    }
+    let average = Average::of(t_s, options.smooth_s);
+    let vx_mps: Vec<f64> = average.over(t_s, vx_mps).iter().map(|v| v.max(0.0)).collect();
+    let track = Track::reconstruct(t_s, &vx_mps, &average.over(t_s, vy_mps), yaw_rate_radps);
 
     let standing = vx_mps.iter().position(|&v| v < STANDING_MPS);
     let by = options.by.unwrap_or(if standing.is_some() { Axis::Time } else { Axis::Position });
-    if let (Axis::Position, Some(row)) = (by, standing) {
-        return Err(table.error(row, speed, "no stops (below 0.5 m/s) in a recording taken by position"));
+    if let (Axis::Position, Some(sample)) = (by, standing) {
+        let wanted = "no stops (below 0.5 m/s) in a recording taken by position";
+        return Err(table.error(samples.rows[sample], speed, wanted));
     }
-    let axis = if by == Axis::Time { &t_s } else { &track.s_m };
-    Ok((by, points(axis, &vx_mps), yaw_rate.map(|_| track)))
+    let points = points(if by == Axis::Time { t_s } else { &track.s_m }, &vx_mps);
+    let note = Some(samples.note(table, average, options.smooth_s));
+    Ok(Read { by, points, track: table.column(Quantity::YawRate).map(|_| track), note })
+}
+
+/// The samples of a recording. Those that follow each other in far less than the median interval are one, their mean: lines
+/// between them would have any slope.
+struct Samples {
+    t_s: Vec<f64>,
+    vx_mps: Vec<f64>,
+    vy_mps: Vec<f64>,
+    yaw_rate_radps: Vec<f64>,
+    /// The first row of each.
+    rows: Vec<usize>,
+    median_s: f64,
+}
+
+impl Samples {
+    fn of(table: &Table, time: &Column, speed: &Column) -> Self {
+        let times = &time.values;
+        let median_s = sorted_intervals(times)[(times.len() - 1) / 2];
+        let is_new = |i: &usize| *i == 0 || times[*i] - times[*i - 1] >= DUPLICATE * median_s;
+        let rows: Vec<usize> = (0..times.len()).filter(is_new).collect();
+        let merged = |values: &[f64]| -> Vec<f64> {
+            let ends = rows.iter().skip(1).copied().chain([values.len()]);
+            let mean = |(from, to): (&usize, usize)| values[*from..to].iter().sum::<f64>() / (to - from) as f64;
+            rows.iter().zip(ends).map(mean).collect()
+        };
+        let column = |quantity| table.column(quantity).map_or(vec![0.0; rows.len()], |column| merged(&column.values));
+        Self {
+            t_s: merged(&times.iter().map(|t| t - times[0]).collect::<Vec<_>>()),
+            vx_mps: merged(&speed.values),
+            vy_mps: column(Quantity::SpeedY),
+            yaw_rate_radps: column(Quantity::YawRate),
+            rows,
+            median_s,
+        }
+    }
+
+    /// The row of a lone sample that no vehicle can have driven.
+    fn spike(&self) -> Option<usize> {
+        let (v, t) = (&self.vx_mps, &self.t_s);
+        let leaps = |i: usize, j: usize| {
+            let change = v[i] - v[j];
+            let is_leap = change.abs() > SPIKE.0 && change.abs() > SPIKE.1 * (t[i] - t[j]).abs();
+            if is_leap { change.signum() } else { 0.0 }
+        };
+        let inner = 1..v.len().saturating_sub(1);
+        inner.into_iter().find(|&i| leaps(i, i - 1) * leaps(i, i + 1) > 0.0).map(|i| self.rows[i])
+    }
+
+    /// How the samples were treated.
+    fn note(&self, table: &Table, average: Average, smooth_s: f64) -> String {
+        let rate = format!("{} samples, {:.4} s apart (median)", table.rows(), self.median_s);
+        let merged = match table.rows() - self.rows.len() {
+            0 => String::new(),
+            count => format!(", {count} merged with the one before"),
+        };
+        let smoothed = match average {
+            Average::Samples(samples) if samples > 1 => format!("averaged over {samples} samples"),
+            Average::Time(window_s) => format!("averaged over {window_s} s, for they are not regular"),
+            Average::Samples(_) if smooth_s <= 0.0 => "not averaged: smooth_s is 0".to_owned(),
+            Average::Samples(_) if self.median_s > COARSE_S => "not averaged: coarser than 10 Hz".to_owned(),
+            Average::Samples(_) => format!("not averaged: {smooth_s} s are no two samples"),
+        };
+        format!("{}: {rate}{merged}, {smoothed}", table.file.display())
+    }
+}
+
+/// The intervals between times, the shortest first (s).
+fn sorted_intervals(t_s: &[f64]) -> Vec<f64> {
+    let mut intervals_s: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    intervals_s.sort_unstable_by(f64::total_cmp);
+    intervals_s
 }
 
 /// The moving average of a recording.
@@ -225,8 +312,7 @@ impl Average {
     /// How a recording with these times is averaged over `smooth_s`: not at all if its median interval is coarser than
     /// 10 Hz. The median, so that a few gaps do not make a fine recording a coarse one.
     fn of(t_s: &[f64], smooth_s: f64) -> Self {
-        let mut intervals_s: Vec<f64> = t_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        intervals_s.sort_unstable_by(f64::total_cmp);
+        let intervals_s = sorted_intervals(t_s);
         let [shortest_s, median_s] = [intervals_s[0], intervals_s[intervals_s.len() / 2]];
         let longest_s = intervals_s[intervals_s.len() - 1];
         let mean_s = t_s[t_s.len() - 1] / intervals_s.len() as f64;

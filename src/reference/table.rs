@@ -50,6 +50,9 @@ impl Quantity {
 /// Lines in front of the header that a logger may write.
 const PREAMBLE_LINES: usize = 50;
 
+/// What a file must have.
+const WANTED: &str = "columns s_m,v_mps or t_s,v_mps, a recording's t,vx,vy,yaw_rate, or rows t;v";
+
 /// What the name of a column says of its unit.
 enum Unit {
     None,
@@ -77,24 +80,25 @@ fn known(name: &str) -> Option<(Quantity, Unit)> {
 
 /// The text from its header on, with the other lines in front of it left empty, so that lines keep their numbers. The
 /// header is the last line before the numbers in which two columns are known; a logger may have made it a comment. Without
-/// one the text stays as it is.
-fn without_preamble(text: &str) -> String {
+/// one the text stays as it is; `None` if so many lines hold neither header nor numbers that there will be none.
+fn without_preamble(text: &str) -> Option<String> {
     let fields = |line: &str| line.split([',', ';']).map(|field| field.trim().to_owned()).collect::<Vec<_>>();
     let is_data = |line: &&str| fields(line).iter().all(|field| field.parse::<f64>().is_ok());
-    let mut header = None;
+    let (mut header, mut scanned) = (None, 0);
     for (number, line) in text.lines().take(PREAMBLE_LINES).enumerate().take_while(|(_, line)| !is_data(line)) {
         let names = fields(line.trim_start_matches(['#', ' ']));
         if names.iter().filter(|name| known(name).is_some()).count() >= 2 {
             header = Some(number);
         }
+        scanned += 1;
     }
-    let Some(header) = header else { return text.to_owned() };
+    let Some(header) = header else { return (scanned < PREAMBLE_LINES).then(|| text.to_owned()) };
     let lines = text.lines().enumerate().map(|(number, line)| match number {
         _ if number < header => "\n".to_owned(),
         _ if number == header => line.trim_start_matches(['#', ' ']).to_owned() + "\n",
         _ => line.to_owned() + "\n",
     });
-    lines.collect()
+    Some(lines.collect())
 }
 
 /// A column in SI units.
@@ -109,7 +113,7 @@ pub(super) struct Column {
 /// The known columns of a file, all of the same length, at least one row.
 #[derive(Debug)]
 pub(super) struct Table {
-    file: PathBuf,
+    pub file: PathBuf,
     /// The names in the first row and its line.
     header: Option<(String, u64)>,
     columns: Vec<Column>,
@@ -123,7 +127,15 @@ impl Table {
     pub fn read(file: &Path, speed_unit_mps: f64) -> Result<Self, ReferenceError> {
         let text =
             std::fs::read_to_string(file).map_err(|source| ReferenceError::Read { file: file.into(), source })?;
-        let text = &without_preamble(text.trim_start_matches('\u{feff}'));
+        let mut table = Self { file: file.into(), header: None, columns: vec![], lines: vec![] };
+        let Some(text) = without_preamble(text.trim_start_matches('\u{feff}')) else {
+            return Err(table.content(
+                PREAMBLE_LINES as u64,
+                "header",
+                &format!("none within {PREAMBLE_LINES} lines"),
+                WANTED,
+            ));
+        };
         let first = text.lines().find(|l| !l.trim().is_empty() && !l.starts_with('#')).unwrap_or_default();
         let cycle = first.contains(';');
         let mut rows = csv::ReaderBuilder::new()
@@ -133,7 +145,6 @@ impl Table {
             .has_headers(false)
             .flexible(true)
             .from_reader(text.as_bytes());
-        let mut table = Self { file: file.into(), header: None, columns: vec![], lines: vec![] };
         let mut sources: Vec<(usize, f64)> = vec![];
         for row in rows.records() {
             let row = row.map_err(|e| table.broken(&e))?;
@@ -221,8 +232,7 @@ impl Table {
     /// The error about a column that is missing.
     pub fn missing(&self) -> ReferenceError {
         let (names, line) = self.header.clone().unwrap_or_default();
-        let wanted = "columns s_m,v_mps or t_s,v_mps, a recording's t,vx,vy,yaw_rate, or rows t;v";
-        self.content(line, "header", &format!("\"{names}\""), wanted)
+        self.content(line, "header", &format!("\"{names}\""), WANTED)
     }
 
     fn content(&self, line: u64, column: &str, found: &str, wanted: &str) -> ReferenceError {

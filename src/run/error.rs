@@ -57,6 +57,9 @@ pub enum RunError {
     /// SUMO's outputs are not whole.
     #[error("{0}; the rows are written, and marked incomplete")]
     Outputs(String),
+    /// A run without egos shows nothing.
+    #[error("no vehicle has become an ego: {0}; the tables are written, and the result is marked incomplete")]
+    NoEgos(String),
     /// A signal ended the run before its end.
     #[error("ended by a signal ({0:?})")]
     Interrupted(Signal),

@@ -1,11 +1,13 @@
 //! What a run comes to: SUMO's own outputs joined with the fleet's records.
 
+use super::error::RunError;
 use super::rows::{EdgeRow, VehicleRow, edge_rows};
 use super::summary::{COUNTS, SumoTotals};
 use crate::cosim::{Counters, Finished, LONG_S, Reason, Records, SLOW_MPS};
-use crate::scenario::Scenario;
+use crate::registry::nearest;
+use crate::scenario::{Scenario, Selector, Trace};
 use crate::sumo_files::{SumoCommand, SumoFileError, SumoStatistics, Trips, left_out};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// Rows and totals of a run.
 pub struct Outcome {
@@ -19,8 +21,8 @@ pub struct Outcome {
     pub counts: [u64; COUNTS.len()],
     /// What the user should be told.
     pub notes: Vec<String>,
-    /// What is wrong with SUMO's outputs, so that the result is not whole.
-    pub broken: Option<String>,
+    /// Why the result is not whole though the run came to its end: SUMO's outputs break off, or there are no egos.
+    pub failed: Option<RunError>,
 }
 
 impl Outcome {
@@ -46,6 +48,8 @@ impl Outcome {
         if let Some((count, first)) = own_sumo.and_then(|own| left_out(&own.log).ok().flatten()) {
             notes.push(format!("SUMO's log has {count} warnings about vehicles that it left out; the first: {first}"));
         }
+        let nobody = (records.finished.is_empty() && scenario.egos != Selector::Share(0.0))
+            .then(|| RunError::NoEgos(no_egos(scenario, &records.counters)));
         let (has_trips, mut trips) = (trips.is_some(), trips.unwrap_or_default());
         take_own_time_losses(&records.finished, &mut trips);
         let counters = &records.counters;
@@ -75,8 +79,11 @@ impl Outcome {
         let edges = edge_rows(&records.roads);
         let refused = counters.refused.len() as u64;
         let counts = [counters.unequipped, counters.others.values().sum(), refused, counters.crept];
-        let rows = records.finished.into_iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
-        Self { rows, edges, totals, counts, notes, broken }
+        let driven: BTreeSet<usize> = records.finished.iter().map(|record| record.group).collect();
+        let rows: Vec<_> =
+            records.finished.into_iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
+        notes.extend(unmatched(scenario, &driven, &rows));
+        Self { rows, edges, totals, counts, notes, failed: broken.map(RunError::Outputs).or(nobody) }
     }
 }
 
@@ -129,6 +136,36 @@ fn milliseconds(time_s: f64) -> f64 {
     (time_s * 1000.0).round() / 1000.0
 }
 
+/// Why there are no egos.
+fn no_egos(scenario: &Scenario, counters: &Counters) -> String {
+    let others: u64 = counters.others.values().sum();
+    format!(
+        "{} vehicles departed; egos.select = \"{}\" and the groups leave {} of them to SUMO, {others} have no four wheels, {} cannot be egos",
+        counters.departed,
+        scenario.egos,
+        counters.unequipped,
+        counters.refused.len()
+    )
+}
+
+/// Groups and ids of the trace that came to nothing, unless it was told at the start.
+fn unmatched(scenario: &Scenario, driven: &BTreeSet<usize>, rows: &[VehicleRow]) -> Vec<String> {
+    // The last group takes what the others leave.
+    let own = scenario.groups.iter().enumerate().take(scenario.groups.len() - 1);
+    let idle = own.filter(|(index, _)| !driven.contains(index));
+    let idle = idle.map(|(index, group)| (format!("group.{index}.select"), group.select.to_string()));
+    let idle = idle.filter(|(key, _)| !scenario.notes.iter().any(|note| note.starts_with(key.as_str())));
+    let mut notes: Vec<_> = idle.map(|(key, select)| format!("{key} = \"{select}\" matched no vehicle")).collect();
+    if let Trace::Ids(ids) = &scenario.output.trace {
+        for id in ids.iter().filter(|id| rows.iter().all(|row| row.id != **id)) {
+            let near = nearest(id, rows.iter().map(|row| row.id.as_str()));
+            let near = near.map(|near| format!("; did you mean {near}?")).unwrap_or_default();
+            notes.push(format!("output.trace: {id} matched no vehicle{near}"));
+        }
+    }
+    notes
+}
+
 /// What the user should be told about the traffic.
 fn notes(counters: &Counters, egos: usize) -> Vec<String> {
     let mut notes = Vec::new();
@@ -155,6 +192,12 @@ fn notes(counters: &Counters, egos: usize) -> Vec<String> {
     }
     if let Some((id, reason)) = counters.refused.first() {
         notes.push(format!("{} vehicles cannot be egos; the first, \"{id}\": {reason}", counters.refused.len()));
+    }
+    if let Some(first) = counters.odd_masses.first() {
+        notes.push(format!(
+            "{} egos have less than half or more than twice the mass of their kind; the first, {first} (vehicle.mass_factor is relative)",
+            counters.odd_masses.len()
+        ));
     }
     notes
 }

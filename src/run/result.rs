@@ -144,9 +144,9 @@ impl ResultWriter {
         let tables = recorder.finish(&self.dir, &self.scenario, &mut outcome);
         self.dir.write(SUMMARY, &summary)?;
         tables?;
-        if let (None, Some(broken)) = (&incomplete, outcome.broken) {
-            self.dir.finish(&mut self.manifest, Some(broken.clone()))?;
-            return Err(RunError::Outputs(broken));
+        if let (None, Some(failed)) = (&incomplete, outcome.failed) {
+            self.dir.finish(&mut self.manifest, Some(failed.to_string()))?;
+            return Err(failed);
         }
         self.dir.finish(&mut self.manifest, incomplete)?;
         Ok(RunResult {

@@ -10,9 +10,11 @@ use super::rows::TraceRow;
 use super::setup;
 use super::signals::Signal;
 use crate::cosim::{CosimError, Sumo, World};
+use crate::reference::Target;
 use crate::scenario::{Group, Scenario};
 use crate::stats::VehicleStats;
 use crate::traci::{Client, SumoProcess, find_named};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -260,7 +262,10 @@ async fn reach_sumo(
 async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Option<f64>), RunError> {
     let version = client.version();
     (result.manifest.sumo_version, result.manifest.sumo_api) = (Some(version.text.clone()), Some(version.api));
-    let mut world = World::join(client, setup::world(&result.scenario)?).await?;
+    let setup = setup::world(&result.scenario)?;
+    let noted: BTreeSet<&str> = setup.targets.iter().filter_map(Target::note).collect();
+    result.notes.extend(noted.into_iter().map(str::to_owned));
+    let mut world = World::join(client, setup).await?;
     let end_s = match result.scenario.sumo.end_s {
         Some(end_s) => Some(end_s),
         None => Some(world.sumo_mut().end_s().await?).filter(|end_s| *end_s >= 0.0),

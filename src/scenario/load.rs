@@ -11,6 +11,7 @@ use super::{
     error::{Mistake, ScenarioError, Wrong},
     layout::sections,
     model::{Choice, Group, Preset, Scenario, Vehicle},
+    parameters,
     reader::{Reader, names},
     sections::{Egos, Named},
     selector::Selector,
@@ -82,9 +83,27 @@ impl Scenario {
         scenario.inputs.extend(demand.inputs);
         let mut seen = BTreeSet::new();
         scenario.inputs.retain(|path| seen.insert(path.clone()));
-        scenario.notes = [notes, demand.notes].concat();
+        let checked = parameters::check(&demand.params)?;
+        scenario.dead_time_max_s = checked.dead_time_max_s;
+        scenario.notes = [notes, demand.notes, checked.notes].concat();
+        if let Some(types) = &demand.types {
+            let select = reader.section(&root, "egos", "egos").get("select").cloned();
+            let wanted = select.as_ref().zip(scenario.egos.misses(types));
+            reader.noted(wanted.map_or(Ok(()), |(entry, wanted)| Err(entry.wrong("egos.select", wanted))));
+            scenario.notes.extend(idle_groups(&scenario.groups, types));
+        }
+        reader.whole(())?;
         Ok(scenario)
     }
+}
+
+/// Groups of vTypes that the demand does not have.
+fn idle_groups<'a>(groups: &'a [Group], types: &'a BTreeSet<String>) -> impl Iterator<Item = String> + 'a {
+    let missed = |(index, group): (usize, &Group)| {
+        let wanted = group.select.misses(types)?;
+        Some(format!("group.{index}.select: found \"{}\", wanted {wanted}", group.select))
+    };
+    groups.iter().enumerate().filter_map(missed)
 }
 
 /// The tables of a scenario file; a SUMO configuration is a scenario that says nothing else.
@@ -159,6 +178,7 @@ fn resolve(reader: &mut Reader, request: &Request, root: &Table, catalog: &Catal
         traffic: reader.keys("traffic", &traffic),
         output: reader.keys("output", &output),
         sumo,
+        dead_time_max_s: 0.0,
         inputs: Vec::new(),
         notes: Vec::new(),
     };

@@ -36,6 +36,8 @@ pub struct Scenario {
     pub traffic: Traffic,
     /// What is written.
     pub output: Output,
+    /// The largest dead time that a parameter of the demand gives a vehicle \[s\].
+    pub dead_time_max_s: f64,
     /// Every input file, absolute, in the order in which it was named.
     pub inputs: Vec<PathBuf>,
     /// What the user should be told: overridden settings of the configuration, keys left unused.

@@ -1,6 +1,6 @@
 //! Which vehicles: `all | param | type:GLOB | id:REGEX | class:NAME | share:0.25`.
 
-use std::fmt;
+use std::{collections::BTreeSet, fmt};
 
 use globset::{Glob, GlobMatcher};
 use regex::Regex;
@@ -106,6 +106,20 @@ impl Selector {
         }
     }
 
+    /// What to say if it names a vType and no vehicle of these can be meant.
+    pub(super) fn misses(&self, types: &BTreeSet<String>) -> Option<String> {
+        /// What SUMO gives those who name no vType.
+        const DEFAULTS: [&str; 4] = ["DEFAULT_VEHTYPE", "DEFAULT_TAXITYPE", "DEFAULT_BIKETYPE", "DEFAULT_RAILTYPE"];
+        let Self::Type(glob) = self else { return None };
+        let names = || types.iter().map(String::as_str).chain(DEFAULTS);
+        // SUMO makes vTypes called `type@vehicle` itself.
+        if glob.glob().glob().contains('@') || names().any(|name| glob.is_match(name)) {
+            return None;
+        }
+        let near = nearest(glob.glob().glob(), names()).map(|near| format!("; did you mean type:{near}?"));
+        Some(format!("a vType of the demand{}", near.unwrap_or_default()))
+    }
+
     /// Whether the vehicle is chosen in a run with `seed`.
     pub fn matches(&self, ego: &EgoInfo<'_>, seed: u64) -> bool {
         match self {
@@ -185,6 +199,17 @@ mod tests {
         for (id, in_quarter) in ids.iter().zip(&first) {
             assert!(!in_quarter || half.matches(&ego(id, "t", "passenger", false), 7), "a larger share keeps {id}");
         }
+    }
+
+    #[test]
+    fn a_selector_of_types_that_no_vehicle_has_is_told_with_the_nearest() {
+        let types = ["car", "truck_long"].map(str::to_owned).into();
+        let misses = |text: &str| Selector::parse(text).unwrap().misses(&types);
+        for text in ["type:car", "type:truck*", "type:DEFAULT_*", "type:car@*", "id:nobody", "class:bus", "all"] {
+            assert_eq!(misses(text), None, "{text}");
+        }
+        assert_eq!(misses("type:trukc_long").unwrap(), "a vType of the demand; did you mean type:truck_long?");
+        assert_eq!(misses("type:bicycle").unwrap(), "a vType of the demand");
     }
 
     #[test]

@@ -34,8 +34,27 @@ pub enum Distribution {
 }
 
 impl Distribution {
+    /// Reads `normal(mean, std)`, `normal(mean, std, min, max)` or `uniform(min, max)`, with all values in a range; SUMO's
+    /// own `norm` and `normc` mean the same.
+    pub(super) fn parse(text: &str, (low, high): (f64, f64)) -> Option<Self> {
+        let (kind, numbers) = text.trim().strip_suffix(')')?.split_once('(')?;
+        let numbers: Vec<f64> = numbers.split(',').map(|x| x.trim().parse().ok()).collect::<Option<_>>()?;
+        let (drawn, rising) = match (kind.trim(), &numbers[..]) {
+            ("uniform", &[min, max]) => (Self::Uniform { min, max }, [low, min, max, high]),
+            ("normal" | "norm", &[mean, std]) if (0.0..f64::INFINITY).contains(&std) => {
+                (Self::Normal { mean, std, min: low, max: high }, [low, mean, mean, high])
+            }
+            ("normal" | "normc", &[mean, std, min, max]) if (0.0..f64::INFINITY).contains(&std) => {
+                let bounds = if (min..=max).contains(&mean) { [low, min, max, high] } else { return None };
+                (Self::Normal { mean, std, min, max }, bounds)
+            }
+            _ => return None,
+        };
+        rising.is_sorted().then_some(drawn)
+    }
+
     /// The largest value.
-    fn largest(&self) -> f64 {
+    pub(super) fn largest(&self) -> f64 {
         match *self {
             Self::Normal { max, .. } | Self::Uniform { max, .. } => max,
         }

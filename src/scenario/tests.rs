@@ -156,7 +156,7 @@ fn set_takes_the_same_way_as_the_file() {
     assert_eq!(plain.groups[0].noise.power_db, None);
     let set = load(
         "controller.name = \"classic\"",
-        &["controller.k_p=1.2", "noise.power_db=-6", "actuator.delay_s=0.25", "traffic.sigma=0", "egos.select=type:a*"],
+        &["controller.k_p=1.2", "noise.power_db=-6", "actuator.delay_s=0.25", "traffic.sigma=0", "egos.select=type:e*"],
     );
     let group = &set.groups[0];
     assert_eq!((group.controller.name(), group.controller.values.get::<f64>("k_p").unwrap()), ("classic", 1.2));
@@ -164,9 +164,9 @@ fn set_takes_the_same_way_as_the_file() {
         (group.noise.power_db, group.actuator.values.get::<f64>("delay_s"), set.traffic.sigma),
         (Some(-6.0), Some(0.25), Some(0.0))
     );
-    assert_eq!(set.egos.to_string(), "type:a*");
+    assert_eq!(set.egos.to_string(), "type:e*");
     let file = "controller = { name = \"classic\", k_p = 1.2 }\nnoise.power_db = -6\nactuator.delay_s = 0.25\n\
-                traffic.sigma = 0\negos.select = \"type:a*\"";
+                traffic.sigma = 0\negos.select = \"type:e*\"";
     assert_eq!(load(file, &[]).to_toml(), set.to_toml());
 
     let rich =

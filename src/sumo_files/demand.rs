@@ -2,6 +2,7 @@
 //! the answer then names the line that names the file.
 
 use std::{
+    collections::BTreeSet,
     ops::ControlFlow,
     path::{Path, PathBuf},
 };
@@ -22,6 +23,22 @@ use crate::place::Place;
 /// Elements that put somebody on the road.
 const TRAFFIC: &[&str] = &["vehicle", "trip", "flow", "person", "personFlow", "container", "containerFlow"];
 
+/// Elements that carry parameters of vehicles.
+pub(super) const CARRIERS: &[&str] = &["vehicle", "trip", "flow", "vType"];
+
+/// A parameter of ours in the demand.
+#[derive(Debug)]
+pub(crate) struct Param {
+    /// The file.
+    pub path: PathBuf,
+    /// The line, from 1.
+    pub line: usize,
+    /// Its key.
+    pub key: String,
+    /// Its value.
+    pub value: String,
+}
+
 /// What was found in the files that SUMO is going to load.
 #[derive(Debug, Default)]
 pub(crate) struct Demand {
@@ -29,6 +46,10 @@ pub(crate) struct Demand {
     pub inputs: Vec<PathBuf>,
     /// What the user should be told.
     pub notes: Vec<String>,
+    /// The ids of all vTypes; none if there may be more of them than the files name.
+    pub types: Option<BTreeSet<String>>,
+    /// The parameters of vehicles and vTypes whose keys speak of `mfc`.
+    pub params: Vec<Param>,
     /// The first vType that moves by SUMO's train model.
     train: Option<String>,
 }
@@ -59,6 +80,7 @@ impl Demand {
         found.add_named(&settings)?;
         refuse(setup, &settings, end)?;
         let (additional, files) = (settings.files("additional-files"), settings.files("route-files"));
+        found.types = Some(BTreeSet::new());
         let traffic = found.add_read(files.iter().chain(&additional))?;
         // Other clients, files given as options of SUMO, and a saved state bring traffic that is not seen here.
         let may_be_empty = setup.num_clients > 1
@@ -70,6 +92,7 @@ impl Demand {
                 (None, None) => SumoFileError::NoRoutes { net: settings.files("net-file").swap_remove(0) },
             });
         }
+        found.types = found.types.filter(|_| !may_be_empty);
         found.settle(setup, open, &settings);
         Ok(found)
     }
@@ -118,6 +141,10 @@ impl Demand {
         for file in files {
             let whole = reader.each(file, &mut |file, element| {
                 traffic |= TRAFFIC.contains(&element.name());
+                if let ("vType", Some(types)) = (element.name(), &mut self.types) {
+                    types.extend(element.attribute("id"));
+                }
+                self.params.extend(ours(file, element));
                 if self.train.is_none() && moves_by_rail(element) {
                     self.train = element.attribute("id");
                 }
@@ -132,6 +159,16 @@ impl Demand {
         }
         Ok(traffic)
     }
+}
+
+/// The parameter of ours that an element is.
+fn ours(file: &Path, element: &Element<'_>) -> Option<Param> {
+    if element.name() != "param" || !CARRIERS.contains(&element.parent) {
+        return None;
+    }
+    let key = element.attribute("key").filter(|key| key.split('.').any(|part| part == "mfc"))?;
+    let value = element.attribute("value").unwrap_or_default();
+    Some(Param { path: file.to_owned(), line: element.line, key, value })
 }
 
 /// Whether an element is a vType with SUMO's train model.

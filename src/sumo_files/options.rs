@@ -91,6 +91,12 @@ pub(super) fn is_true(value: &str) -> bool {
     ["1", "yes", "true", "on", "x", "t"].contains(&value.to_lowercase().as_str())
 }
 
+/// What a text says as SUMO's boolean.
+pub(crate) fn boolean(value: &str) -> Option<bool> {
+    let no = ["0", "no", "false", "off", "-", "f"].contains(&value.to_lowercase().as_str());
+    if is_true(value) { Some(true) } else { no.then_some(false) }
+}
+
 /// The user's options by long name.
 pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
     words(options).map(|(name, value, _)| (name, value)).collect()

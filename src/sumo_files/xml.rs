@@ -37,6 +37,8 @@ pub(super) struct Element<'a> {
     tag: &'a BytesStart<'a>,
     /// The name of the element around it; empty for the root.
     pub parent: &'a str,
+    /// The line on which it begins, from 1.
+    pub line: usize,
 }
 
 impl Element<'_> {
@@ -145,7 +147,7 @@ impl<'a> Xml<'a> {
     ) -> Result<(), SumoFileError> {
         while let Some(item) = self.next()? {
             let (Event::Start(tag) | Event::Empty(tag)) = &item.event else { continue };
-            match visit(&Element { tag, parent: item.parent }) {
+            match visit(&Element { tag, parent: item.parent, line: item.line }) {
                 Ok(ControlFlow::Continue(())) => {}
                 Ok(ControlFlow::Break(())) => return Ok(()),
                 Err(what) => {

@@ -185,11 +185,6 @@ fn parameters_of_type_and_vehicle_reach_the_body() {
         assert!(torque("type") > 1.15 * torque("plain"), "{} {}", torque("type"), torque("plain"));
         assert!((torque("type") / torque("own") - 1.0).abs() < 0.02, "{} {}", torque("type"), torque("own"));
     }
-    let wrong = r#"<vehicle id="ego" type="car" depart="0"><route edges="ab bc"/><param key="mfc.mass" value="heavy"/></vehicle>"#;
-    let folder = tempfile::tempdir().unwrap();
-    let config = straight_road(folder.path(), &format!("{CAR}{wrong}"));
-    let said = crate::support::refusal(NEW, &config, &[]);
-    assert!(said.contains("ego") && said.contains("mfc.mass") && said.contains("heavy"), "{said}");
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod friction;
 mod grade;
 mod identical;
 mod lifecycle;
+mod names;
 mod outputs;
 mod session;
 mod settings;

@@ -30,7 +30,7 @@ const CONDITIONS: &[(&str, &[&str], &[&str])] = &[
     ("0.25 s, headway", &["--set", "actuator.delay_s=0.25", "--set", "traffic.headway_margin_s=auto"], &[]),
     ("sigma + 0.1 s", &["--set", "traffic.sigma=0.5", "--set", "actuator.delay_s=0.1"], &[]),
     ("noise + 0.1 s", &["--set", "noise.power_db=-6", "--set", "actuator.delay_s=0.1"], &[]),
-    ("mass 1200 to 2600 kg", &["--set", "vehicle.mass_kg={distribution=\"uniform\",min=1200,max=2600}"], &[]),
+    ("mass x 0.7 to 1.5", &["--set", "vehicle.mass_factor={distribution=\"uniform\",min=0.7,max=1.5}"], &[]),
     ("scale x 0.25", &["--set", "controller.accel_per_unit_mps2=0.25"], &[]),
     ("scale x 4", &["--set", "controller.accel_per_unit_mps2=4"], &[]),
     ("action step 1 s", &[], &["--default.action-step-length", "1"]),
