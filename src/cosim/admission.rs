@@ -53,6 +53,8 @@ pub struct Wanted {
     pub imperfection: bool,
     /// Its desired time headway.
     pub headway: bool,
+    /// The mass of its vType.
+    pub mass: bool,
 }
 
 /// Departed vehicles on their way to becoming egos.
@@ -176,11 +178,15 @@ impl Admission {
         let unknown: BTreeSet<&str> =
             vehicles.iter().map(|v| v.type_id.as_str()).filter(|id| !self.types.contains_key(*id)).collect();
         let objects: Vec<Object> = unknown.into_iter().map(Object::known).collect();
-        let asked = sumo.ask(objects.iter().map(|object| (object, TypeQuestion(object.id.to_string()))))?;
+        let mass = self.wanted.mass;
+        let question = |object: &Object| TypeQuestion { id: object.id.to_string(), mass };
+        let asked = sumo.ask(objects.iter().map(|object| (object, question(object))))?;
         let types = &mut self.types;
-        sumo.answers(asked, |TypeQuestion(id), answer| types.extend(answer.ok().flatten().map(|facts| (id, facts))))
-            .await
-            .map(drop)
+        sumo.answers(asked, |TypeQuestion { id, .. }, answer| {
+            types.extend(answer.ok().flatten().map(|facts| (id, facts)))
+        })
+        .await
+        .map(drop)
     }
 
     fn judge(&mut self, departed: Departed, counters: &mut Counters) -> Result<Option<Newcomer>, CosimError> {
@@ -264,7 +270,10 @@ impl Question for VehicleQuestion {
 }
 
 /// The question about a vType.
-struct TypeQuestion(String);
+struct TypeQuestion {
+    id: String,
+    mass: bool,
+}
 
 impl Question for TypeQuestion {
     type Answer<'a> = Option<TypeFacts>;
@@ -276,7 +285,7 @@ impl Question for TypeQuestion {
         let emergency_decel_mps2 = gets.number(vehicletype::EMERGENCY_DECEL);
         let action_step_s = gets.number(vehicletype::ACTION_STEP_LENGTH);
         // Older SUMO knows no mass; then the preset's stands.
-        let mass_kg = gets.number(vehicletype::MASS);
+        let mass_kg = if self.mass { gets.number(vehicletype::MASS) } else { None };
         let equipped = gets.parameter(vehicletype::PARAMETER, "has.mfc.device").and_then(|text| text.parse().ok());
         let probability =
             gets.parameter(vehicletype::PARAMETER, "device.mfc.probability").and_then(|text| text.parse().ok());

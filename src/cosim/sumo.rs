@@ -41,6 +41,8 @@ pub struct Joined {
     pub expected: i32,
     /// Ids of the vehicles on the road.
     pub present: Vec<String>,
+    /// Whether it tells the mass of a vType.
+    pub tells_mass: bool,
 }
 
 /// SUMO, to be told, stepped and asked. Everything acts in the order of the calls: a question that is asked after

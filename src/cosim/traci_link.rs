@@ -15,6 +15,9 @@ use crate::traci::{
 use std::sync::Arc;
 use std::time::Duration;
 
+/// The first SUMO that tells the mass of a vType.
+const MASS_SINCE: (u32, u32) = (1, 21);
+
 /// A SUMO that is reached over TraCI.
 pub struct TraciLink {
     client: Client,
@@ -84,7 +87,9 @@ impl Sumo for TraciLink {
         let present = batch.get(vehicle::IDS, "")?;
         let expected = batch.get(simulation::EXPECTED, "")?;
         let reply = self.client.exchange(&batch).await?;
-        Ok(Joined { step_s, time_s, expected: reply.get(expected)?, present: reply.get(present)? })
+        let (expected, present) = (reply.get(expected)?, reply.get(present)?);
+        let tells_mass = self.client.version().at_least(MASS_SINCE.0, MASS_SINCE.1);
+        Ok(Joined { step_s, time_s, expected, present, tells_mass })
     }
 
     async fn end_s(&mut self) -> Result<f64, CosimError> {

@@ -90,6 +90,7 @@ impl<S: Sumo> World<S> {
             lane: body_leads.anywhere() || setup.friction,
             imperfection: setup.sigma.is_some(),
             headway: setup.rules.headway.is_some(),
+            mass: joined.tells_mass,
         };
         let mut admission = Admission::new(setup.rules, wanted);
         admission.wait(joined.present);

@@ -219,6 +219,10 @@ fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Opti
     if let Some(theirs) = clients {
         changes.push(format!("{} TraCI clients instead of {theirs} (--num-clients decides)", setup.num_clients));
     }
+    if let Some(teleports) = settings.value("max-num-teleports").filter(|n| n.parse() != Ok(-1)) {
+        changes
+            .push(format!("no end after {teleports} teleports (SUMO heeds max-num-teleports only without a client)"));
+    }
     match settings.value("collision.mingap-factor") {
         None if setup.contacts == Some(true) => changes.push(
             "collisions are contacts instead of gaps below minGap (-- --collision.mingap-factor decides)".to_owned(),

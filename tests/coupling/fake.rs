@@ -182,7 +182,7 @@ impl Sumo for Fake {
 
     async fn join(&mut self) -> Result<Joined, CosimError> {
         let present = self.depart();
-        Ok(Joined { step_s: STEP_S, time_s: 0.0, expected: 1, present })
+        Ok(Joined { step_s: STEP_S, time_s: 0.0, expected: 1, present, tells_mass: true })
     }
 
     async fn option(&mut self, _: &str) -> Result<Option<String>, CosimError> {

@@ -49,6 +49,12 @@ fn a_sumo_that_runs_already_can_be_joined() {
         let address = format!("127.0.0.1:{port}");
         let ended = Running::start(run_command(version, &config, &dir, &["--connect", &address])).wait();
         assert_eq!(ended.code, Some(0), "SUMO {version}: {}", ended.stderr);
+        // This one is ballistic, and counts gaps below minGap.
+        assert!(
+            !ended.stderr.contains("Euler") && ended.stderr.contains("counts gaps below minGap"),
+            "{}",
+            ended.stderr
+        );
         assert_eq!(sumo.wait().code, Some(0), "SUMO {version} ends in order");
         let rows = table(&dir.join("vehicles.csv"));
         assert_eq!(rows.len(), 6, "SUMO {version}");
@@ -151,5 +157,25 @@ async fn a_leading_body_hands_its_vehicle_back_as_it_was() {
         assert!(other.get(vehicle::SPEED, "v0").await.unwrap() <= 20.0 + 1e-9, "SUMO {version}");
         other.close().await.unwrap();
         assert_eq!(sumo.wait().code, Some(0), "SUMO {version}");
+    }
+}
+
+/// A SUMO that somebody else started with Euler's steps is told apart.
+#[test]
+fn eulers_steps_of_a_joined_sumo_are_told() {
+    for version in [NEW, OLD] {
+        let folder = tempfile::tempdir().unwrap();
+        let config = straight_road(folder.path(), &demand());
+        let (home, port) = (sumo_home(version), free_port());
+        let mut command = Command::new(home.join("bin/sumo"));
+        command.env("SUMO_HOME", &home).arg("-c").arg(&config).args(["--step-length", "0.1", "--no-step-log"]);
+        command.args(["--remote-port", &port.to_string(), "--collision.mingap-factor", "0"]);
+        let sumo = Running::start(command);
+        let (dir, address) = (folder.path().join("result"), format!("127.0.0.1:{port}"));
+        let ended = Running::start(run_command(version, &config, &dir, &["--connect", &address, "--end", "20"])).wait();
+        assert_eq!(ended.code, Some(0), "SUMO {version}: {}", ended.stderr);
+        let line = format!("the SUMO at {address} makes Euler's steps");
+        assert!(ended.stderr.contains(&line) && !ended.stderr.contains("below minGap"), "{}", ended.stderr);
+        assert_eq!(sumo.wait().code, Some(0), "SUMO {version} ends in order");
     }
 }

@@ -15,8 +15,8 @@ fn the_friction_of_a_lane_limits_the_tyres() {
     let edges = edge("dry", r#"from="a" to="b""#, 1.0) + &edge("ice", r#"from="b" to="c""#, ICE);
     let net = network(folder.path(), nodes, &edges);
     let demand = format!(
-        r#"{CAR}<vehicle id="dry" type="car" depart="0"><route edges="dry ice"/></vehicle>
-        <vehicle id="ice" type="car" depart="0"><route edges="ice"/></vehicle>"#
+        r#"{CAR}<vehicle id="dry" type="car" depart="0" departSpeed="0"><route edges="dry ice"/></vehicle>
+        <vehicle id="ice" type="car" depart="0" departSpeed="0"><route edges="ice"/></vehicle>"#
     );
     let config = configuration(folder.path(), &net, &demand, "");
     let gained_mps = |version: &str, friction: &str| {

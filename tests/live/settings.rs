@@ -1,6 +1,6 @@
 //! What a configuration says counts: its seed, its trains, its missing files; and what cannot be followed is said.
 
-use crate::support::{CAR, NEW, OLD, configuration, network, refusal, run, straight_road};
+use crate::support::{CAR, NEW, OLD, configuration, network, own, refusal, run, straight_road};
 use std::fs;
 
 const EGO: &str = r#"<vehicle id="ego" type="car" depart="0"><route edges="ab bc"/></vehicle>"#;
@@ -94,6 +94,15 @@ fn clients_that_the_configuration_waits_for_are_not_waited_for() {
         "{}",
         result.ended.stderr
     );
+}
+
+/// SUMO under TraCI does not end after too many teleports, as it does alone.
+#[test]
+fn an_end_by_teleports_that_sumo_does_not_heed_is_told() {
+    let result = run(NEW, &own("city"), &["--end", "60", "--", "--time-to-teleport", "5", "--max-num-teleports", "1"]);
+    assert!(result.sumo("teleports") > 2.0, "{}", result.sumo("teleports"));
+    let line = "no end after 1 teleports (SUMO heeds max-num-teleports only without a client)";
+    assert!(result.ended.stderr.contains(line), "{}", result.ended.stderr);
 }
 
 /// A car with dead time halts nearer than its minGap behind another one: that is no collision unless the user says so.
