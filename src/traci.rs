@@ -101,6 +101,7 @@ mod client;
 mod compound;
 mod error;
 mod find;
+mod prefix;
 mod process;
 mod reply;
 mod subscription;
@@ -110,7 +111,7 @@ mod variables;
 mod version;
 pub mod wire;
 
-pub use batch::{Batch, Handle, Prefix};
+pub use batch::{Batch, Handle};
 pub use client::{Client, Ticket};
 pub use compound::{
     AddVehicle, BestLane, Collision, ControlledLinks, JunctionFoe, Leader, Link, Logic, Neighbour, NewVehicle,
@@ -118,6 +119,7 @@ pub use compound::{
 };
 pub use error::{BatchError, Error, MAX_ID_BYTES};
 pub use find::{SUMO_BINARY_VARIABLE, SumoBinary, find_named, find_sumo};
+pub use prefix::Prefix;
 pub use process::SumoProcess;
 pub use reply::{Blocks, Index, Refusal, Reply};
 pub use subscription::{Block, Entries, Subscribed, Values, Variables};

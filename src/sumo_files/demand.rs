@@ -125,7 +125,7 @@ impl Demand {
         let default = || settings.value("default.carfollowmodel").filter(|model| *model == "Rail");
         let train = self.train.take().map(|id| format!("the vType \"{id}\" has carFollowModel=\"Rail\""));
         let train = train.or_else(|| Some(format!("default.carfollowmodel is {}", default()?)));
-        if let Some(train) = train.filter(|_| open.ballistic && setup.ballistic) {
+        if let Some(train) = train.filter(|_| open.ballistic && setup.ballistic && setup.connect.is_none()) {
             setup.ballistic = false;
             self.notes.push(format!("Euler steps: {train}, and trains know no others (--set sumo.ballistic decides)"));
         }
@@ -197,7 +197,8 @@ fn refuse(setup: &SumoSetup, settings: &Settings, end: Option<Place>) -> Result<
 
 /// What the scenario changes in its configuration, in one line.
 fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Option<String> {
-    let configuration = settings.configuration.as_ref()?;
+    // A SUMO that runs already has started with its own options.
+    let configuration = settings.configuration.as_ref().filter(|_| setup.connect.is_none())?;
     let step_s = configured_step_s(settings);
     let ballistic = settings.is_on("step-method.ballistic");
     let mut changes = Vec::new();

@@ -6,7 +6,8 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::error::{BatchError, MAX_ID_BYTES};
+use super::error::BatchError;
+use super::prefix::{Prefix, check_id, too_long};
 use super::subscription::Variables;
 use super::typed::{Domain, FromValue, Shape, Var, finite};
 use super::variables::{TABLE, vehicle};
@@ -19,37 +20,6 @@ const MAX_GET_BYTES: usize = 200;
 const ERROR_TEXT_BYTES: usize = 220;
 const ERROR_PER_VARIABLE_BYTES: usize = 40;
 const ERROR_UNSUPPORTED_BYTES: usize = 70;
-
-/// A prebuilt command head for one object: what a per-step command copies before it appends its numbers.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Prefix {
-    head: Box<[u8]>,
-    known: bool,
-}
-
-impl Prefix {
-    /// Prepares the commands for the object `id`.
-    ///
-    /// # Errors
-    /// If the id is longer than [`MAX_ID_BYTES`].
-    pub fn new(id: &str) -> Result<Self, BatchError> {
-        check_id(id)?;
-        Ok(Self { known: false, ..Self::of_known(id) })
-    }
-
-    /// The same for an object that SUMO has named and keeps, such as the vType of a vehicle: no error text will repeat
-    /// its id, which may have any length.
-    #[must_use]
-    pub fn of_known(id: &str) -> Self {
-        let mut head = vec![0, 0, 0];
-        put_text(&mut head, id);
-        Self { head: head.into(), known: true }
-    }
-
-    fn id_bytes(&self) -> &[u8] {
-        &self.head[3..]
-    }
-}
 
 /// What the answer to a command looks like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -184,7 +154,7 @@ impl Batch {
             return Err(BatchError::AfterStep);
         }
         let start = self.bytes.len();
-        let length = prefix.head.len() + tail.len();
+        let length = prefix.head().len() + tail.len();
         let (Ok(short), Ok(_)) = (u8::try_from(length), i32::try_from(start + length)) else {
             return self.push(command, answer, |out| {
                 out.push(variable);
@@ -193,7 +163,7 @@ impl Batch {
                 Ok(())
             });
         };
-        self.bytes.extend_from_slice(&prefix.head);
+        self.bytes.extend_from_slice(prefix.head());
         self.bytes[start..start + 3].copy_from_slice(&[short, command, variable]);
         self.bytes.extend_from_slice(tail);
         self.write_length();
@@ -280,7 +250,7 @@ impl Batch {
             P::put(parameter, out)?;
             let length = out.len() - start;
             let id = || String::from_utf8_lossy(&object.id_bytes()[4..]).into_owned();
-            if object.known || length <= MAX_GET_BYTES { Ok(()) } else { Err(too_long(&id(), length)) }
+            if object.is_known() || length <= MAX_GET_BYTES { Ok(()) } else { Err(too_long(&id(), length)) }
         })?;
         Ok(Handle { index, kind: PhantomData })
     }
@@ -469,14 +439,6 @@ impl Batch {
     pub(super) fn close(&mut self) -> Result<usize, BatchError> {
         self.push(0x7f, Answer::Status, |_| Ok(()))
     }
-}
-
-fn check_id(id: &str) -> Result<(), BatchError> {
-    if id.len() <= MAX_ID_BYTES { Ok(()) } else { Err(too_long(id, id.len())) }
-}
-
-fn too_long(id: &str, length: usize) -> BatchError {
-    BatchError::IdTooLong { id: id.chars().take(40).collect(), length }
 }
 
 /// A speed that SUMO takes as one: negative ones and NaN would release the vehicle. −0 becomes 0.
