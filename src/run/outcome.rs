@@ -44,8 +44,9 @@ impl Outcome {
             .and_then(|own| Trips::read(&own.tripinfo).map_err(|error| told(error, "time losses are missing")).ok());
         let cut = trips.as_ref().is_some_and(|trips| !trips.whole) && !died;
         let broken = own_sumo.filter(|_| cut).map(|own| format!("{}: the file breaks off", own.tripinfo.display()));
-        let nobody = (records.finished.is_empty() && scenario.egos != Selector::Share(0.0))
-            .then(|| RunError::NoEgos(no_egos(scenario, &records.counters)));
+        let asked = records.counters.departed > 0 && scenario.egos != Selector::Share(0.0);
+        let nobody =
+            (asked && records.finished.is_empty()).then(|| RunError::NoEgos(no_egos(scenario, &records.counters)));
         let (has_trips, mut trips) = (trips.is_some(), trips.unwrap_or_default());
         let counters = &records.counters;
         let (mut arrived, time_loss_mean_s) = trips.arrivals();
