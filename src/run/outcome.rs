@@ -48,8 +48,9 @@ impl Outcome {
         if let Some((count, first)) = own_sumo.and_then(|own| left_out(&own.log).ok().flatten()) {
             notes.push(format!("SUMO's log has {count} warnings about vehicles that it left out; the first: {first}"));
         }
-        let nobody = (records.finished.is_empty() && scenario.egos != Selector::Share(0.0))
-            .then(|| RunError::NoEgos(no_egos(scenario, &records.counters)));
+        let asked = records.counters.departed > 0 && scenario.egos != Selector::Share(0.0);
+        let nobody =
+            (asked && records.finished.is_empty()).then(|| RunError::NoEgos(no_egos(scenario, &records.counters)));
         let (has_trips, mut trips) = (trips.is_some(), trips.unwrap_or_default());
         take_own_time_losses(&records.finished, &mut trips);
         let counters = &records.counters;
