@@ -20,7 +20,7 @@
 //! ρ = cov(z, d)/cov(z, w)              F drops out with the means
 //! ```
 //! The moments are running means over `memory_s`, whose clock runs with z²/(z² + γ²): at constant speed nothing is learned and
-//! nothing forgotten. With c for the covariances ρ̂ = (c_d c_w + κ²)/(c_w² + κ²), which is 1 until something is known. z varies
+//! nothing forgotten. With c for the covariances ρ̂ = (c_d c_w + ρ̂₀κ²)/(c_w² + κ²), which is ρ̂₀ (1, or see below) until something is known. z varies
 //! within seconds, and so averages the noise of d, a derivative's, nearly to nothing.
 //!
 //! **Prediction.** The actuators tell what was sent within the limits and what acts. P = ∫ (v_sent − v_acts) dt is the speed, in units of
@@ -34,8 +34,10 @@
 //! exact F̂, ė(t + θ) + K_P e(t + θ) = 0.
 //!
 //! A wrong ρ̂ is a feedback of (ρ/ρ̂ − 1)H around the law. The phase of H stays above −180°, so without delay even a scale
-//! guessed far too low is stable while nothing moves that could teach it. With delay it swings, as the classic law does,
-//! until the reference moves. Where the tyres slide ρ is no constant; ρ̂ stays within bounds.
+//! guessed far too low is stable while nothing moves that could teach it. With a delay that takes a gain below 1 (small
+//! gain theorem), ρ < 2ρ̂. So until the reference teaches better, ρ̂ is ρ̂₀ = 1 + 2θ̂/(θ̂ + T/4), which bears a scale guessed too
+//! low by 4 from a delay of T/4 on, and by 6 if it is long.
+//! Where the tyres slide ρ is no constant; ρ̂ stays within bounds.
 //!
 //! # Default tuning
 //! K_P = 1/s as for the other laws: more of it pays along a smooth recording with dead time (0.14 instead of 0.32 m/s on a racing lap with
@@ -73,6 +75,8 @@ const GATE_MPS2: f64 = 0.3;
 const DOUBT_MPS4: f64 = 0.02;
 /// Bounds on ρ̂.
 const SCALE: [f64; 2] = [0.01, 20.0];
+/// What a long delay adds to the scale of which nothing is known.
+const CAUTION: f64 = 2.0;
 /// Bound on the delay \[s\].
 const DELAY_MAX_S: f64 = 2.0;
 
@@ -91,6 +95,8 @@ struct Law {
     k_p: f64,
     accel_per_unit_mps2: f64,
     rate: RateKeys,
+    /// T/4, the time constant of H \[s\].
+    filter_s: f64,
     /// 1 − p², what of an innovation goes into ŷ.
     speed_gain: f64,
     /// (1 − p)²/Δt, what of it goes into F̂ [1/s].
@@ -164,6 +170,7 @@ impl Law {
             k_p: keys.k_p,
             accel_per_unit_mps2: keys.accel_per_unit_mps2,
             rate: keys.rate,
+            filter_s: 0.25 * keys.window_s,
             speed_gain: 1.0 - pole * pole,
             rate_gain_per_s: (1.0 - pole) * (1.0 - pole) / period_s,
             smoothing: 1.0 - libm::exp(-period_s / SMOOTHING_S),
@@ -232,7 +239,8 @@ vectorised! {
             let c_d = known.zd[i] - known.z[i] * known.d[i];
             let c_w = known.zw[i] - known.z[i] * known.w[i];
             let doubt = DOUBT_MPS4 * DOUBT_MPS4;
-            known.scale[i] = ((c_d * c_w + doubt) / (c_w * c_w + doubt)).clamp(SCALE[0], SCALE[1]);
+            let unknown = 1.0 + CAUTION * known.delay_s[i] / (known.delay_s[i] + law.filter_s);
+            known.scale[i] = ((c_d * c_w + unknown * doubt) / (c_w * c_w + doubt)).clamp(SCALE[0], SCALE[1]);
         }
     }
 }
@@ -432,6 +440,21 @@ mod tests {
         }
         println!("{highest:?}");
         assert!(highest.iter().all(|y| (24.9..25.05).contains(y)), "{highest:?}");
+    }
+
+    #[test]
+    fn law_a_scale_guessed_too_low_by_four_does_not_swing_over_a_delay() {
+        for delay in [10, 25, 50] {
+            let mut law = law(&[]);
+            let mut world = World::new([4.0; LANES], delay, true);
+            let mut mean_square = 0.0;
+            for k in 0..9_000 {
+                world.period(&mut law, START_MPS, 0.0);
+                let square = world.speed_mps.map(|y| (y - START_MPS).powi(2)).iter().sum::<f64>() / LANES as f64;
+                mean_square += if k < 3_000 { 0.0 } else { square / 6_000.0 };
+            }
+            assert!(mean_square.sqrt() < 0.3, "{delay} periods: {} m/s", mean_square.sqrt());
+        }
     }
 
     #[test]
