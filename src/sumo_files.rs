@@ -25,6 +25,7 @@ pub(crate) use demand::{Demand, LeftOpen};
 pub use equipped::Equipped;
 pub use error::SumoFileError;
 pub(crate) use path::{absolute, environment};
+pub use settings::as_configured;
 pub use setup::{Source, SumoSetup};
 pub use statistics::SumoStatistics;
 pub use tripinfo::{TripInfo, Trips};

@@ -13,7 +13,7 @@ use crate::scenario::{Scenario, Trace};
 
 /// Open files.
 pub struct Recorder {
-    trace: Option<(Table<TraceRow>, Trace, u64)>,
+    trace: Option<(Table<'static, TraceRow>, Trace, u64)>,
     sampler: Sampler,
     sample_every: u64,
     step: u64,
