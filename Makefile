@@ -12,7 +12,7 @@ help: ## Show this list
 
 demo: ## Every car of a city with a real body: compare five controllers, print one table
 	cargo build --release --locked
-	.ci/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds) -j 2 --force
+	.ci/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds) -o out/demo
 
 test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
 	cargo test --release --locked

@@ -12,24 +12,22 @@
 //! ```
 
 mod arguments;
+mod study;
 
 use std::{
-    collections::BTreeMap,
     io::{ErrorKind, IsTerminal, Write},
-    path::Path,
     process::ExitCode,
 };
 
-use arguments::{CheckArgs, Cli, Command, CompareArgs, PaperArgs, RunArgs};
+use arguments::{CheckArgs, Cli, Command, PaperArgs, RunArgs};
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use tracing::level_filters::LevelFilter;
 
 use crate::{
-    compare::{RunFailed, parse_seeds, run_all, terminal_table, write_comparison},
     doctor, map, paper,
     run::{self, RunError, RunOptions, SessionOptions, terminal_text},
-    scenario::{Catalog, Scenario, ScenarioError, schema, template},
+    scenario::{Catalog, Scenario, schema, template},
 };
 
 /// Does what the arguments of the program ask for, with what `catalog` offers. Returns the exit code.
@@ -46,7 +44,8 @@ pub fn main(catalog: &Catalog) -> ExitCode {
     };
     let done = match cli.command {
         Command::Run(args) => run(&args, catalog),
-        Command::Compare(args) => compare(&args, catalog),
+        Command::Compare(args) => study::study(&args.study, args.arguments(), catalog),
+        Command::Sweep(args) => study::study(&args.study, args.arguments(), catalog),
         Command::Check(args) => check(&args, catalog),
         Command::Paper(args) => paper_tests(args),
         Command::List => print(&catalog.lines()),
@@ -60,7 +59,10 @@ pub fn main(catalog: &Catalog) -> ExitCode {
 
 fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     log(args.verbose)?;
-    let scenario = Scenario::load(&args.scenario.request(), catalog)?;
+    let scenario = match &args.from {
+        Some(manifest) => run::repeated(manifest, catalog)?,
+        None => Scenario::load(&args.scenario.request(), catalog)?,
+    };
     if !args.quiet {
         notes(&scenario.notes);
     }
@@ -73,6 +75,7 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
         },
         threads: args.threads.map(usize::from),
         progress: !args.quiet && std::io::stderr().is_terminal(),
+        tied: args.tied,
     };
     let result = match run::run(&scenario, &options) {
         Err(RunError::Interrupted(signal)) => return Ok(ExitCode::from(signal.exit_code())),
@@ -103,41 +106,6 @@ fn log(verbose: bool) -> miette::Result<()> {
     let colours = std::io::stderr().is_terminal();
     tracing_subscriber::fmt().with_writer(std::io::stderr).with_ansi(colours).with_max_level(level).init();
     Ok(())
-}
-
-/// Paired runs: the same seed gives every controller the same traffic, vehicles and noise.
-fn compare(args: &CompareArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
-    let seeds = parse_seeds(&args.seeds).into_diagnostic()?;
-    let mut pairs = args.controllers.iter().flat_map(|c| seeds.iter().map(move |s| (c, *s)));
-    // A misspelt controller must not show only after the others have run for an hour.
-    let scenarios = pairs.try_fold(BTreeMap::new(), |mut all, (controller, seed)| {
-        let scenario = Scenario::load(&args.scenario.request_for(controller, seed), catalog)?;
-        all.insert((controller.clone(), seed), scenario);
-        Ok::<_, ScenarioError>(all)
-    })?;
-    let first = scenarios.values().next().ok_or_else(|| miette::miette!("--controllers and --seeds name no run"))?;
-    if !args.quiet {
-        notes(&first.notes);
-    }
-    let folder = args.out.clone().unwrap_or_else(|| Path::new("out").join(format!("{}-compare", first.name)));
-    let compared = run_all(&args.controllers, &seeds, usize::from(args.jobs), |controller, seed| {
-        let options = RunOptions {
-            session: SessionOptions {
-                out_dir: folder.join(format!("{controller}-{seed}")),
-                force: args.force,
-                ..SessionOptions::default()
-            },
-            threads: (args.jobs > 1).then_some(1),
-            progress: args.jobs == 1 && !args.quiet && std::io::stderr().is_terminal(),
-        };
-        run::run(&scenarios[&(controller.to_owned(), seed)], &options)?.whole()
-    });
-    let rows = match compared {
-        Err(RunFailed { source: RunError::Interrupted(signal), .. }) => return Ok(ExitCode::from(signal.exit_code())),
-        compared => compared.into_diagnostic()?,
-    };
-    write_comparison(&folder, &rows).into_diagnostic()?;
-    print(&terminal_table(&rows))
 }
 
 fn check(args: &CheckArgs, catalog: &Catalog) -> miette::Result<ExitCode> {

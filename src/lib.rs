@@ -7,7 +7,7 @@
 //! 8  main                                      the program
 //! 7  cli                                       the command line, for what a catalog offers
 //! 6  map                                       where adaptation helps, beyond the paper
-//! 5  compare  paper  doctor                    many runs; the paper's experiments; is all well?
+//! 5  study  paper  doctor                      studies of many runs; the paper's experiments; is all well?
 //! 4  run                                       one scenario -> one result
 //!    offline                                   vehicles along a profile, without SUMO
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
@@ -31,9 +31,6 @@
 pub mod cli;
 #[cfg(feature = "sim")]
 mod columns;
-#[cfg(feature = "sim")]
-#[doc(hidden)]
-pub mod compare;
 #[cfg(feature = "sim")]
 pub mod control;
 #[cfg(feature = "sim")]
@@ -84,6 +81,9 @@ pub mod stats;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod stopwatch;
+#[cfg(feature = "sim")]
+#[doc(hidden)]
+pub mod study;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod sumo_files;

@@ -31,6 +31,12 @@ impl PartialEq for Place {
 }
 
 impl Place {
+    /// That of an argument of the command line, as typed.
+    pub(crate) fn argument(shown: &str) -> Self {
+        let (name, text) = (shown.to_owned(), shown.to_owned());
+        Self { origin: Arc::new(Origin { name, text, folder: PathBuf::new(), argument: true }), span: 0..shown.len() }
+    }
+
     /// The line, from 1.
     pub fn line(&self) -> usize {
         let end = self.span.start.min(self.origin.text.len());

@@ -27,12 +27,15 @@ mod trace;
 
 pub use catalog::Catalog;
 pub use document::Override;
+pub(crate) use document::{Entry, Node, Table};
 pub use error::{Mistake, ScenarioError, Wrong};
 pub use headway::HeadwayMargin;
 pub use load::Request;
+pub(crate) use load::read;
 pub use model::{Choice, Group, Preset, Scenario, Vehicle};
 pub use parameters::{Parameter, parameter_keys, parameter_names};
 pub use print::template;
+pub(crate) use reader::{Reader, names};
 pub use schema::schema;
 pub use sections::{Coupling, Output, Traffic};
 pub use selector::{EgoInfo, Selector};

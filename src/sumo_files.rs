@@ -29,6 +29,7 @@ pub use error::SumoFileError;
 pub use log::left_out;
 pub(crate) use options::boolean;
 pub(crate) use path::{absolute, environment};
+pub use settings::as_configured;
 pub use setup::{Source, SumoSetup};
 pub use statistics::SumoStatistics;
 pub use tripinfo::{TripInfo, Trips};

@@ -5,16 +5,20 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use sumo_mfc::compare::COMPARISON;
 use sumo_mfc::run::{FileSchema, Schema};
+use sumo_mfc::study::{case_layout, comparison_layout};
 
 /// The tables in the order of the page.
-const FILES: [&str; 6] = ["vehicles.csv", "trace.csv", "sample.csv", "edges.csv", "summary.json", "comparison.csv"];
+const FILES: [&str; 7] =
+    ["vehicles.csv", "trace.csv", "sample.csv", "edges.csv", "summary.json", "cases.csv", "comparison.csv"];
 
 fn page() -> String {
     let run = serde_json::to_value(Schema::of_run("vehicles.csv", Some("trace.csv"))).unwrap();
-    let comparison = Schema::new([("comparison.csv", FileSchema::of_table(&COMPARISON.shape))]);
-    let comparison = serde_json::to_value(comparison).unwrap();
+    let study = Schema::new([
+        ("cases.csv", FileSchema::of_table(&case_layout(&[]).shape)),
+        ("comparison.csv", FileSchema::of_table(&comparison_layout(&[]).shape)),
+    ]);
+    let study = serde_json::to_value(study).unwrap();
     let mut page = String::from(
         "# Columns of the result files\n\n\
          `schema.json` in every result folder says the same about the files beside it. An empty field (in JSON `null`) is no\n\
@@ -22,7 +26,7 @@ fn page() -> String {
          This page is made by `UPDATE=1 cargo test --test columns`.\n",
     );
     for name in FILES {
-        let file = [&run, &comparison].into_iter().find_map(|schema| schema["files"].get(name));
+        let file = [&run, &study].into_iter().find_map(|schema| schema["files"].get(name));
         let file = file.unwrap_or_else(|| panic!("no {name} in the schemas"));
         let (heading, columns) = if let Value::Array(columns) = &file["columns"] {
             ("column", columns)

@@ -3,13 +3,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use sumo_mfc::compare::run_all;
 use sumo_mfc::keys::NoKeys;
 use sumo_mfc::plant::{BODIES, SevenDof, model, preset};
 use sumo_mfc::reference::{Target, target};
 use sumo_mfc::registry::{RegistrationError, find};
 use sumo_mfc::run::{self, RunOptions, SessionOptions};
 use sumo_mfc::scenario::{Catalog, Override, Request, Scenario, schema, template};
+use sumo_mfc::study::{Arguments, Definition, settings};
 
 #[path = "../examples/external/own_law/src/main.rs"]
 #[allow(dead_code)]
@@ -121,16 +121,12 @@ fn own_entries_run_in_sumo_and_a_resolved_scenario_gives_the_same_rows() {
 
 #[test]
 fn own_laws_are_compared_and_loaded_offline() {
-    let folder = tempfile::tempdir().unwrap();
-    let controllers = ["proportional".to_owned(), "pid".to_owned()];
-    let rows = run_all(&controllers, &[1], 1, |controller, seed| {
-        let sets = [format!("controller.name={controller}"), format!("sumo.seed={seed}"), "sumo.end_s=20".to_owned()];
-        let scenario = Scenario::load(&request(&sets.each_ref().map(String::as_str)), &catalog()).unwrap();
-        let session =
-            SessionOptions { out_dir: folder.path().join(controller), sumo: Some(sumo()), ..SessionOptions::default() };
-        run::run(&scenario, &RunOptions { session, ..RunOptions::default() })?.whole()
-    });
-    assert!(rows.unwrap().iter().any(|row| row.controller == "proportional"));
+    let controllers = ["proportional".to_owned(), "pid".to_owned()].to_vec();
+    let arguments = Arguments { request: request(&[]), controllers, ..Arguments::default() };
+    let definition = Definition::read(&arguments).unwrap();
+    let settings = settings(&definition, &catalog()).unwrap();
+    assert_eq!(settings[0].scenario.groups[0].controller.name(), "proportional");
+    assert_eq!(settings[1].reference, Some(0));
 
     let offline = Request::default().with(Override::set("controller.name=proportional").unwrap());
     let scenario = Scenario::load_offline(&offline, &catalog()).unwrap();

@@ -4,7 +4,10 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::scenario::{Override, Request};
+use crate::{
+    scenario::{Override, Request},
+    study::Arguments,
+};
 
 /// Gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller.
 #[derive(Debug, Parser)]
@@ -22,6 +25,8 @@ pub enum Command {
     Run(Box<RunArgs>),
     /// Run a scenario with several controllers on the same traffic and compare them
     Compare(Box<CompareArgs>),
+    /// Run a scenario under many settings and seeds and compare them: a study file, or keys to vary
+    Sweep(Box<SweepArgs>),
     /// Check a scenario and print it resolved, in SI units, as TOML
     Check(Box<CheckArgs>),
     /// Reproduce the experiments of the paper, without SUMO: figures, tables and one page
@@ -102,6 +107,9 @@ pub struct ScenarioArgs {
 pub struct RunArgs {
     #[command(flatten)]
     pub scenario: ScenarioArgs,
+    /// Repeat the run of this run.json bit for bit
+    #[arg(long, value_name = "RUN.JSON", conflicts_with = "ScenarioArgs")]
+    pub from: Option<PathBuf>,
     /// Folder of the results [default: out/<scenario>-<controller>-<seed>]
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -111,6 +119,9 @@ pub struct RunArgs {
     /// Threads [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
+    /// End as after SIGTERM when standard input ends
+    #[arg(long, hide = true)]
+    pub tied: bool,
     /// Print where the time of a step goes
     #[arg(long)]
     pub profile: bool,
@@ -122,29 +133,89 @@ pub struct RunArgs {
     pub verbose: bool,
 }
 
-/// `compare`.
+/// What `sweep` and `compare` have in common.
 #[derive(Debug, Args)]
-pub struct CompareArgs {
+pub struct StudyArgs {
     #[command(flatten)]
     pub scenario: ScenarioArgs,
-    /// Controllers, separated by commas; differences are to the first
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "ideal,classic,adaptive,pid")]
-    pub controllers: Vec<String>,
-    /// Seeds: 1..5 (both included) or a list separated by commas
-    #[arg(long, value_name = "SEEDS", default_value = "1..5")]
-    pub seeds: String,
-    /// Runs at the same time
-    #[arg(short = 'j', long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..))]
-    pub jobs: u16,
-    /// Folder of the results [default: out/<scenario>-compare]
+    /// Seeds: 1..10 (both included) or a list separated by commas [default: 1..5]
+    #[arg(long, value_name = "SEEDS", allow_hyphen_values = true)]
+    pub seeds: Option<String>,
+    /// Cases at the same time [default: all cores]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub jobs: Option<u16>,
+    /// Who runs the cases: local
+    #[arg(long, value_name = "NAME", default_value = "local")]
+    pub executor: String,
+    /// Run only every Nth case, from the Ith on; --collect makes the tables when all are there
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<String>,
+    /// Folder of the results [default: out/<study>, out/<scenario>-sweep or out/<scenario>-compare]
     #[arg(short, long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Replace finished results
+    /// List the cases and run nothing
+    #[arg(long, group = "instead")]
+    pub plan: bool,
+    /// Tell how far the cases are and run nothing
+    #[arg(long, group = "instead")]
+    pub status: bool,
+    /// Make the tables from what is there and run nothing
+    #[arg(long, group = "instead")]
+    pub collect: bool,
+    /// Run finished cases again
     #[arg(long)]
     pub force: bool,
     /// Only errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// `sweep`.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    #[command(flatten)]
+    pub study: StudyArgs,
+    /// Vary a key: KEY=V1,V2,... or KEY=FIRST..LAST..STEP; several make a grid. The controller "plain" is SUMO without us
+    #[arg(long, value_name = "KEY=VALUES", value_parser = pair)]
+    vary: Vec<String>,
+    /// Compare with the settings in which a key has this value
+    #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
+    reference: Vec<String>,
+}
+
+/// `compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub study: StudyArgs,
+    /// Controllers, separated by commas; differences are to the first
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "ideal,classic,adaptive,pid")]
+    controllers: Vec<String>,
+}
+
+impl SweepArgs {
+    /// The study that they ask for.
+    pub fn arguments(&self) -> Arguments {
+        let (vary, reference) = (self.vary.clone(), self.reference.clone());
+        Arguments { vary, reference, ..self.study.arguments() }
+    }
+}
+
+impl CompareArgs {
+    /// The study that they ask for.
+    pub fn arguments(&self) -> Arguments {
+        Arguments { controllers: self.controllers.clone(), ..self.study.arguments() }
+    }
+}
+
+impl StudyArgs {
+    fn arguments(&self) -> Arguments {
+        Arguments { request: self.scenario.request(), seeds: self.seeds.clone(), ..Arguments::default() }
+    }
+}
+
+fn pair(argument: &str) -> Result<String, String> {
+    set(argument).map(|_| argument.to_owned())
 }
 
 /// `check`.
@@ -202,15 +273,6 @@ impl PaperArgs {
 }
 
 impl ScenarioArgs {
-    /// What the arguments ask for, with another controller and seed.
-    pub fn request_for(&self, controller: &str, seed: u64) -> Request {
-        self.request().with(Override::text("--controllers", "controller.name", controller)).with(Override::literal(
-            "--seeds",
-            "sumo.seed",
-            seed,
-        ))
-    }
-
     /// What the arguments ask for. `--set` comes last, so that it can refine what the other options choose.
     pub fn request(&self) -> Request {
         let mut overrides = Vec::new();

@@ -25,18 +25,18 @@ pub static FORMATS: &[Entry<OpenSink>] = &[
 ];
 
 /// A table being written, row by row; memory does not grow with the number of rows.
-pub struct Table<R: 'static> {
-    layout: &'static Layout<R>,
+pub struct Table<'l, R: 'static> {
+    layout: &'l Layout<R>,
     path: PathBuf,
     sink: Box<dyn Sink>,
 }
 
-impl<R> Table<R> {
+impl<'l, R> Table<'l, R> {
     /// Starts the table at `path`, whose suffix chooses the format.
     ///
     /// # Errors
     /// [`OutputError::Format`] if no format has this suffix, [`OutputError::File`] if the file cannot be made.
-    pub fn create(path: &Path, layout: &'static Layout<R>) -> Result<Self, OutputError> {
+    pub fn create(path: &Path, layout: &'l Layout<R>) -> Result<Self, OutputError> {
         let suffix = path.extension().unwrap_or_default().to_string_lossy();
         let format = registry::find("table format", FORMATS, &suffix)
             .map_err(|source| OutputError::Format { path: path.to_owned(), source })?;
@@ -68,7 +68,7 @@ impl<R> Table<R> {
 /// As [`Table::create`] and [`Table::write`].
 pub fn write_table<'a, R: 'static>(
     path: &Path,
-    layout: &'static Layout<R>,
+    layout: &Layout<R>,
     rows: impl IntoIterator<Item = &'a R>,
 ) -> Result<PathBuf, OutputError> {
     let mut table = Table::create(path, layout)?;

@@ -33,6 +33,14 @@ pub enum RunError {
         /// What was found there.
         found: String,
     },
+    /// The files of a run that is to be repeated have changed.
+    #[error("{}: the run cannot be repeated: {what}", .manifest.display())]
+    Changed {
+        /// Its `run.json`.
+        manifest: PathBuf,
+        /// What is not as it was.
+        what: String,
+    },
     /// Another run writes to the same folder at this moment.
     #[error("another run is writing to {}", .dir.display())]
     Busy {

@@ -11,6 +11,8 @@ use std::path::Path;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
+    /// A study has planned it; nothing has run.
+    Planned,
     /// It has not ended, or was killed.
     Running,
     /// It ran to its end.
@@ -87,6 +89,36 @@ impl Manifest {
     }
 }
 
+impl Manifest {
+    /// Reads a `run.json`.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if it cannot be read, or is no manifest.
+    pub fn read(path: &Path) -> Result<Self, OutputError> {
+        let text = std::fs::read_to_string(path).map_err(file_error("read", path))?;
+        serde_json::from_str(&text).map_err(|error| file_error("read", path)(error.into()))
+    }
+
+    /// What makes the run: SHA-256 of the resolved scenario, all inputs, and the versions of this program and of SUMO.
+    /// `sumo` stands in for SUMO's version where the run has not come so far as to ask for it.
+    pub fn identity(&self, sumo: &str) -> String {
+        let sumo = version_number(self.sumo_version.as_deref().unwrap_or(sumo));
+        let inputs: Vec<[&str; 2]> = self.inputs.iter().map(|input| [&*input.path, &*input.sha256]).collect();
+        let parts = serde_json::json!([self.version, sumo, self.scenario, inputs]);
+        hexadecimal(&Sha256::digest(parts.to_string()))
+    }
+}
+
+/// The part of SUMO's version text that does not depend on who is asked: over TraCI it says "SUMO 1.28.0", with
+/// `--version` "Eclipse SUMO sumo 1.28.0".
+fn version_number(text: &str) -> &str {
+    &text[text.find(|c: char| c.is_ascii_digit()).unwrap_or(0)..]
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// SHA-256 of a file's bytes, hexadecimal.
 fn sha256_of(path: &Path) -> Result<String, OutputError> {
     let mut hash = Sha256::new();
@@ -98,7 +130,7 @@ fn sha256_of(path: &Path) -> Result<String, OutputError> {
             n => hash.update(&buffer[..n]),
         }
     }
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(&hash.finalize()))
 }
 
 #[cfg(test)]

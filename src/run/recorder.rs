@@ -14,7 +14,7 @@ use crate::scenario::{Scenario, Trace, TraceRows};
 
 /// Open files.
 pub struct Recorder {
-    trace: Option<Table<TraceRow>>,
+    trace: Option<Table<'static, TraceRow>>,
     sampler: Sampler,
     sample_every: u64,
     step: u64,
@@ -70,7 +70,7 @@ impl Recorder {
 }
 
 /// The rows of a step, in the order of time.
-fn trace(table: &mut Table<TraceRow>, world: &World, step: u64) -> Result<(), OutputError> {
+fn trace(table: &mut Table<'_, TraceRow>, world: &World, step: u64) -> Result<(), OutputError> {
     let (who, rows) = world.trace();
     let traced = world.driving().filter(|(ego, _)| who.names(ego.id()));
     match *rows {

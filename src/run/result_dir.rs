@@ -7,9 +7,10 @@ use serde::Serialize;
 use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
 
-/// The tables that a run or a comparison may write, without suffix.
-const TABLES: [&str; 5] = ["vehicles", "trace", "edges", "sample", "comparison"];
-const MANIFEST: &str = "run.json";
+/// The tables that a run may write, without suffix.
+const TABLES: [&str; 4] = ["vehicles", "trace", "edges", "sample"];
+/// What was run.
+pub const MANIFEST: &str = "run.json";
 /// The summary.
 pub(super) const SUMMARY: &str = "summary.json";
 /// What the files contain.
@@ -123,7 +124,7 @@ impl ResultDir {
     fn result_found(&self, manifest: Option<&Manifest>) -> Option<String> {
         match manifest {
             Some(Manifest { status: Status::Complete, .. }) => Some("run.json: complete".into()),
-            Some(Manifest { status: Status::Running | Status::Incomplete, .. }) => None,
+            Some(Manifest { status: Status::Planned | Status::Running | Status::Incomplete, .. }) => None,
             None => own_names().find(|name| self.file(name).exists()),
         }
     }

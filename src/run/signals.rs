@@ -18,6 +18,9 @@ pub enum Signal {
 }
 
 impl Signal {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Interrupt, Self::Terminate];
+
     /// The exit code of the program: 128 + the signal's number.
     pub fn exit_code(self) -> u8 {
         match self {
@@ -28,11 +31,12 @@ impl Signal {
 }
 
 /// The first signal that comes.
-pub(super) struct Signals(Arc<AtomicU8>);
+pub(crate) struct Signals(Arc<AtomicU8>);
 
 impl Signals {
-    /// Listens from now on.
-    pub fn watch() -> std::io::Result<Self> {
+    /// Listens from now on. If `tied`, the end of standard input counts as SIGTERM: whoever holds its other end has ended,
+    /// or wants this run to.
+    pub fn watch(tied: bool) -> std::io::Result<Self> {
         let raised = Arc::new(AtomicU8::new(0));
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut terminate = signal(SignalKind::terminate())?;
@@ -44,13 +48,21 @@ impl Signals {
             };
             note.store(first.exit_code(), Ordering::Relaxed);
         });
+        if tied {
+            let note = raised.clone();
+            // A thread, because tokio's runtime waits for its own reader of standard input when it ends.
+            std::thread::spawn(move || {
+                let _ = std::io::copy(&mut std::io::stdin(), &mut std::io::sink());
+                note.store(Signal::Terminate.exit_code(), Ordering::Relaxed);
+            });
+        }
         Ok(Self(raised))
     }
 
     /// The signal that has come.
     pub fn raised(&self) -> Option<Signal> {
         let code = self.0.load(Ordering::Relaxed);
-        [Signal::Interrupt, Signal::Terminate].into_iter().find(|signal| signal.exit_code() == code)
+        Signal::ALL.into_iter().find(|signal| signal.exit_code() == code)
     }
 
     /// Waits for a signal.

@@ -16,6 +16,8 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Show a progress bar.
     pub progress: bool,
+    /// End as after SIGTERM when standard input ends.
+    pub tied: bool,
 }
 
 /// Runs a scenario to its end.
@@ -29,7 +31,7 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunEr
     let (pool, runtime) = (pool.map_err(|e| system(&e))?, runtime.map_err(|e| system(&e))?);
     pool.install(|| {
         runtime.block_on(async {
-            let signals = Signals::watch().map_err(|e| system(&e))?;
+            let signals = Signals::watch(options.tied).map_err(|e| system(&e))?;
             run_until(&signals, scenario, options).await
         })
     })

@@ -31,6 +31,25 @@ pub(crate) enum Node {
 }
 
 impl Node {
+    /// An argument of the command line. What is not a TOML literal (a bare word, `type:bus*`) is meant as text.
+    pub fn of_argument(text: &str, place: &Place) -> Self {
+        text.parse::<Value>().map_or_else(|_| Self::Text(text.to_owned()), |value| node(&value, place))
+    }
+
+    /// The TOML literal that reads back as this value.
+    pub fn literal(&self) -> String {
+        match self {
+            Self::Table(table) => {
+                let pairs: Vec<String> =
+                    table.iter().map(|(key, entry)| format!("{key:?} = {}", entry.node.literal())).collect();
+                format!("{{ {} }}", pairs.join(", "))
+            }
+            Self::List(list) => format!("[{}]", list.iter().map(|e| e.node.literal()).collect::<Vec<_>>().join(", ")),
+            Self::Text(text) => Value::from(text.as_str()).to_string(),
+            other => other.shown(),
+        }
+    }
+
     /// How an error message shows the value.
     pub fn shown(&self) -> String {
         match self {
@@ -156,11 +175,8 @@ impl Override {
 
     /// Puts the value into `root`, making the tables on the way.
     pub(crate) fn apply(&self, root: &mut Table) -> Result<(), Mistake> {
-        let folder = PathBuf::new();
-        let origin = Arc::new(Origin { name: self.shown.clone(), text: self.shown.clone(), folder, argument: true });
-        let place = Place { origin, span: 0..self.shown.len() };
-        // What is not a TOML literal (a bare word, `type:bus*`) is meant as text.
-        let node = self.value.parse::<Value>().map_or_else(|_| Node::Text(self.value.clone()), |v| node(&v, &place));
+        let place = Place::argument(&self.shown);
+        let node = Node::of_argument(&self.value, &place);
         let parts: Vec<&str> = self.path.split('.').map(str::trim).collect();
         put(root, &parts, &self.path, Entry { node, place })
     }

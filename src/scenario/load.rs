@@ -63,7 +63,20 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::load`].
     pub fn load_offline(request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
-        let mut root = request.scenario.as_deref().map_or(Ok(Table::new()), read)?;
+        let root = request.scenario.as_deref().map_or(Ok(Table::new()), read)?;
+        Self::of_tables(root, request, catalog)
+    }
+
+    /// Reads a resolved scenario ([`Scenario::to_toml`]); `name` is where it stands, for messages.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`].
+    pub fn from_toml(name: &str, text: &str, catalog: &Catalog) -> Result<Self, ScenarioError> {
+        let root = document::parse(name.to_owned(), text.to_owned(), PathBuf::new()).map_err(alone)?;
+        Self::of_tables(root, &Request::default(), catalog)
+    }
+
+    fn of_tables(mut root: Table, request: &Request, catalog: &Catalog) -> Result<Self, ScenarioError> {
         let (mut reader, mut notes) = (Reader::default(), Vec::new());
         for given in &request.overrides {
             forget_other_choice(&mut root, given, catalog, &mut notes);
@@ -107,7 +120,7 @@ fn idle_groups<'a>(groups: &'a [Group], types: &'a BTreeSet<String>) -> impl Ite
 }
 
 /// The tables of a scenario file; a SUMO configuration is a scenario that says nothing else.
-fn read(path: &Path) -> Result<Table, ScenarioError> {
+pub(crate) fn read(path: &Path) -> Result<Table, ScenarioError> {
     let is_toml = path.extension().is_some_and(|e| e == "toml");
     if path.to_string_lossy().trim_end_matches(".gz").ends_with(".net.xml") {
         return Err(SumoFileError::NoRoutes { net: path.to_owned() }.into());
@@ -120,7 +133,12 @@ fn read(path: &Path) -> Result<Table, ScenarioError> {
         let unreadable = |reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
         document::parse(path.display().to_string(), std::fs::read_to_string(path).map_err(unreadable)?, folder)
     };
-    parsed.map_err(|mistake| ScenarioError::Mistakes { first: Box::new(mistake), more: Vec::new() })
+    parsed.map_err(alone)
+}
+
+/// The error of one mistake.
+fn alone(mistake: Mistake) -> ScenarioError {
+    ScenarioError::Mistakes { first: Box::new(mistake), more: Vec::new() }
 }
 
 /// The files that the scenario itself names, but for those of SUMO's configuration.

@@ -15,7 +15,7 @@ use crate::{
 
 /// The mistakes found so far.
 #[derive(Default)]
-pub(super) struct Reader {
+pub(crate) struct Reader {
     mistakes: Vec<Mistake>,
 }
 
@@ -161,7 +161,7 @@ fn joined(path: &str, key: &str) -> String {
 }
 
 /// The names of keys, with others in front.
-pub(super) fn names<'a>(others: &[&'a str], keys: &'a [Key]) -> Vec<&'a str> {
+pub(crate) fn names<'a>(others: &[&'a str], keys: &'a [Key]) -> Vec<&'a str> {
     others.iter().copied().chain(keys.iter().map(|k| k.name)).collect()
 }
 

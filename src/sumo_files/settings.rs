@@ -3,7 +3,6 @@
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
-    sync::Arc,
 };
 
 use super::{
@@ -13,7 +12,7 @@ use super::{
     path::{absolute, environment},
     setup::{Source, SumoSetup},
 };
-use crate::place::{Origin, Place};
+use crate::place::Place;
 
 /// Options of SUMO by their long names.
 #[derive(Debug)]
@@ -73,12 +72,24 @@ impl Settings {
     /// Where an option is set, and by which name.
     pub fn place(&self, option: &str) -> Option<(Place, String)> {
         if self.given.contains_key(option) {
-            let origin =
-                Origin { name: format!("-- --{option}"), text: String::new(), folder: PathBuf::new(), argument: true };
-            return Some((Place { origin: Arc::new(origin), span: 0..0 }, option.to_owned()));
+            return Some((Place::argument(&format!("-- --{option}")), option.to_owned()));
         }
         let configuration = self.configuration.as_ref()?;
         let setting = configuration.get(option)?;
         Some((configuration.place(setting), setting.written.clone()))
     }
+}
+
+/// The same SUMO with the step, the stepping method and the collisions that its configuration, or SUMO itself, has.
+///
+/// # Errors
+/// A configuration that cannot be read.
+pub fn as_configured(setup: &SumoSetup) -> Result<SumoSetup, SumoFileError> {
+    let settings = Settings::read(setup)?;
+    Ok(SumoSetup {
+        step_length_s: settings.time_s("step-length").unwrap_or(1.0),
+        ballistic: settings.is_on("step-method.ballistic"),
+        contacts: Some(false),
+        ..setup.clone()
+    })
 }

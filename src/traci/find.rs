@@ -62,6 +62,19 @@ pub fn find_named(given: Option<&Path>, name: &str) -> Result<SumoBinary, Error>
         .ok_or_else(|| Error::NotFound(what_to_type(home.as_deref(), name)))
 }
 
+impl SumoBinary {
+    /// What it says of its version, for example "Eclipse SUMO sumo 1.28.0".
+    ///
+    /// # Errors
+    /// [`Error::Start`] if it cannot be started.
+    pub fn version_text(&self) -> Result<String, Error> {
+        let mut command = std::process::Command::new(&self.path);
+        let output = command.arg("--version").stdin(Stdio::null()).stderr(Stdio::null()).output();
+        let output = output.map_err(|source| Error::Start { path: self.path.clone(), source })?;
+        Ok(String::from_utf8_lossy(&output.stdout).lines().next().unwrap_or_default().trim().to_owned())
+    }
+}
+
 fn what_to_type(home: Option<&Path>, name: &str) -> String {
     let home = home.map_or("SUMO_HOME is not set".to_owned(), |home| format!("SUMO_HOME is {}", home.display()));
     format!(

@@ -25,11 +25,10 @@ const LAYERS: &[(&str, u8)] = &[
     ("cosim", 3),
     ("run", 4),
     ("offline", 4),
-    ("compare", 5),
+    ("study", 5),
     ("doctor", 5),
     ("paper", 5),
     ("report", 5),
-    ("sweep", 5),
     ("map", 6),
     ("cli", 7),
     ("main", 8),
@@ -40,7 +39,8 @@ const COMMON_GROUND: &[&str] =
     &["columns", "keys", "lanes", "place", "random", "registry", "stopwatch", "table", "trig"];
 
 /// Modules or files (path below src/ without `.rs`) that may name tokio.
-const MAY_USE_TOKIO: &[&str] = &["traci/client", "traci/process", "cosim", "run", "doctor", "cli", "main"];
+const MAY_USE_TOKIO: &[&str] =
+    &["traci/client", "traci/process", "cosim", "run", "doctor", "study/local", "cli", "main"];
 
 /// Modules or files that may touch files and clocks.
 const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
@@ -55,8 +55,7 @@ const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
     "doctor",
     // Shows people where time goes; nothing is decided by it.
     "stopwatch",
-    "compare",
-    "sweep",
+    "study",
     "paper",
     "map",
     "report",
@@ -65,7 +64,7 @@ const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
 ];
 
 /// Modules or files that may print.
-const MAY_PRINT: &[&str] = &["cli", "main", "report", "compare", "paper", "sweep"];
+const MAY_PRINT: &[&str] = &["cli", "main", "report", "paper", "study"];
 
 const FILE_LINES: usize = 500;
 const FUNCTION_LINES: usize = 70;

@@ -1,0 +1,112 @@
+//! The tables of a study, from the folders of its cases.
+
+use super::case::State;
+use super::comparison::{ComparisonRow, Samples, compare, comparison_layout, key_columns};
+use super::error::StudyError;
+use super::metrics::{METRIC_COUNT, METRICS};
+use super::plan::{Case, Plan};
+use super::result::CaseResult;
+use crate::output::{write_json, write_table};
+use crate::run::{FileSchema, Schema};
+use crate::table::{Cell, Column, Columns, Field, Kind, Layout, record};
+use rayon::prelude::*;
+
+record! {
+    /// A case in front of its metrics.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct CaseHead {
+        case: u64 = "Number of the case: its folder in cases/";
+        seed: u64 = "Seed";
+        status: &'static str = "done, failed, or missing: not run yet, or stopped on the way";
+        reason: String = "Why it failed";
+    }
+}
+
+/// A row of `cases.csv`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseRow {
+    head: CaseHead,
+    values: Vec<String>,
+    metrics: [Option<f64>; METRIC_COUNT],
+}
+
+/// `cases.csv` of a study that varies these keys.
+pub fn case_layout(keys: &[String]) -> Layout<CaseRow> {
+    let mut columns: Columns<CaseRow> = key_columns(keys, |row: &CaseRow| &row.values);
+    columns.extend(CaseHead::columns(Column::new("", Kind::Number, None, ""), |row: &CaseRow| &row.head));
+    for (k, metric) in METRICS.iter().enumerate() {
+        let unit = Some(metric.unit).filter(|unit| !unit.is_empty());
+        let column = Column::new(metric.name, Kind::Number, unit, metric.title);
+        columns.push((column, Box::new(move |row: &CaseRow| Cell::Number(row.metrics[k]))));
+    }
+    Layout::new(["cases", "case"], "One row per case, seed by seed, after a column per varied key", columns)
+}
+
+/// The tables of a study.
+#[derive(Debug)]
+pub struct Tables {
+    /// A row per case.
+    pub cases: Vec<CaseRow>,
+    /// A row per setting and metric.
+    pub comparison: Vec<ComparisonRow>,
+    /// Cases that are done, failed, missing.
+    pub counts: [usize; 3],
+}
+
+/// Reads all cases. At any time only the vehicles of one seed are in memory.
+///
+/// # Errors
+/// [`StudyError::Output`] naming the file of a whole result that cannot be read.
+pub fn collect(plan: &Plan) -> Result<Tables, StudyError> {
+    let mut tables = Tables { cases: Vec::with_capacity(plan.cases.len()), comparison: Vec::new(), counts: [0; 3] };
+    let mut samples: Vec<[Samples; METRIC_COUNT]> = vec![Default::default(); plan.settings.len()];
+    for of_seed in plan.cases.chunks(plan.settings.len()) {
+        let read = of_seed.par_iter().map(|case| CaseResult::read(plan, case));
+        let results: Vec<CaseResult> = read.collect::<Result<_, _>>()?;
+        for (index, (case, result)) in of_seed.iter().zip(&results).enumerate() {
+            let reference = plan.settings[index].reference.map(|reference| &results[reference]);
+            let pairs = reference.map(|reference| result.vehicles.pairs(&reference.vehicles)).unwrap_or_default();
+            for (k, samples) in samples[index].iter_mut().enumerate() {
+                samples.values.push(result.values[k]);
+                samples.pairs.push(pairs[k]);
+            }
+            tables.add(plan, case, result);
+        }
+    }
+    tables.comparison = compare(plan, &samples);
+    Ok(tables)
+}
+
+impl Tables {
+    fn add(&mut self, plan: &Plan, case: &Case, result: &CaseResult) {
+        let (count, reason) = match &result.state {
+            State::Done => (0, String::new()),
+            State::Failed(reason) => (1, reason.replace('\n', " ")),
+            State::Missing => (2, String::new()),
+        };
+        self.counts[count] += 1;
+        let status = result.state.as_str();
+        let head = CaseHead { case: case.number as u64, seed: case.seed, status, reason };
+        let values = plan.settings[case.setting].values.clone();
+        self.cases.push(CaseRow { head, values, metrics: result.values });
+    }
+
+    /// Writes `cases.csv` and `comparison.csv`, with `schema.json` beside them.
+    ///
+    /// # Errors
+    /// [`StudyError::Output`] naming the file.
+    pub fn write(&self, plan: &Plan) -> Result<(), StudyError> {
+        let (cases, comparison) = (case_layout(&plan.keys), comparison_layout(&plan.keys));
+        write_table(&plan.dir.join("cases.csv"), &cases, &self.cases)?;
+        write_table(&plan.dir.join("comparison.csv"), &comparison, &self.comparison)?;
+        let study = "The plan: settings, cases with what makes each of them, versions, hashes of all inputs";
+        let schema = Schema::new([
+            ("cases.csv", FileSchema::of_table(&cases.shape)),
+            ("comparison.csv", FileSchema::of_table(&comparison.shape)),
+            ("study.json", FileSchema::of_file(study, Vec::new())),
+            ("cases/", FileSchema::of_file("The result folder of every case", Vec::new())),
+        ]);
+        write_json(&plan.dir.join("schema.json"), &schema)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,50 @@
+//! Why a study cannot be run.
+
+use crate::output::OutputError;
+use crate::registry::UnknownName;
+use crate::run::RunError;
+use crate::scenario::ScenarioError;
+use crate::traci;
+
+/// Why a study cannot be run. That a case fails is no such reason.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum StudyError {
+    /// The study, or the scenario of one of its settings.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// Two settings are one.
+    #[error("duplicate case: {second} is the same scenario as {first}")]
+    Duplicate {
+        /// The one.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// The study asks for something that cannot be studied.
+    #[error("{key}: found {found}, wanted {wanted}")]
+    Unfit {
+        /// The key of the scenario.
+        key: &'static str,
+        /// What it says.
+        found: String,
+        /// What a study needs.
+        wanted: &'static str,
+    },
+    /// There is no such executor.
+    #[error(transparent)]
+    Executor(#[from] UnknownName),
+    /// No SUMO.
+    #[error(transparent)]
+    Traci(#[from] traci::Error),
+    /// A file.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The folder of a case.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Run(#[from] RunError),
+    /// The system refuses processes.
+    #[error("cannot run cases: {0}")]
+    System(#[from] std::io::Error),
+}

@@ -1,0 +1,57 @@
+//! What a case came to, read from its folder alone.
+
+use super::case::State;
+use super::error::StudyError;
+use super::metrics::{METRIC_COUNT, METRICS, Totals};
+use super::plan::{Case, Plan};
+use super::vehicles::Vehicles;
+use crate::output::file_error;
+use crate::run::{MANIFEST, Manifest, Summary};
+use crate::sumo_files::Trips;
+use std::path::{Path, PathBuf};
+
+/// What a case came to.
+#[derive(Debug)]
+pub struct CaseResult {
+    /// How far it is.
+    pub state: State,
+    /// As [`METRICS`]; none of a case that is not done.
+    pub values: [Option<f64>; METRIC_COUNT],
+    /// Its vehicles; none of a case that is not done, or of a study that compares nothing.
+    pub vehicles: Vehicles,
+}
+
+impl CaseResult {
+    /// Reads a case.
+    ///
+    /// # Errors
+    /// [`StudyError::Output`] if a file of a whole result cannot be read.
+    pub fn read(plan: &Plan, case: &Case) -> Result<Self, StudyError> {
+        let state = State::of(plan, case);
+        if state != State::Done {
+            return Ok(Self { state, values: [None; METRIC_COUNT], vehicles: Vehicles::default() });
+        }
+        let (dir, setting) = (plan.case_dir(case), &plan.settings[case.setting]);
+        let path = dir.join("summary.json");
+        let text = std::fs::read_to_string(&path).map_err(file_error("read", &path))?;
+        let summary: Summary = serde_json::from_str(&text).map_err(|error| file_error("read", &path)(error.into()))?;
+        let manifest = Manifest::read(&dir.join(MANIFEST))?;
+        // A run whose tripinfo cannot be read has said so; its time losses are missing.
+        let trips = tripinfo(&dir, &manifest.sumo_command).and_then(|path| Trips::read(&path).ok()).unwrap_or_default();
+        let losses = trips.all().map(|trip| trip.time_loss_s);
+        let count = trips.all().count();
+        let time_loss_mean_s = (count > 0).then(|| losses.sum::<f64>() / count as f64);
+        let totals = Totals { summary, time_loss_mean_s };
+        let values = METRICS.each_ref().map(|metric| (metric.read)(&totals).filter(|value| value.is_finite()));
+        let compared = plan.settings.iter().any(|setting| setting.reference.is_some());
+        let table = dir.join(&setting.scenario.output.vehicles);
+        let vehicles = if compared { Vehicles::read(&table, &trips)? } else { Vehicles::default() };
+        Ok(Self { state, values, vehicles })
+    }
+}
+
+/// SUMO's tripinfo, which may have been written where the folder was elsewhere.
+fn tripinfo(dir: &Path, command: &[String]) -> Option<PathBuf> {
+    let option = command.iter().rposition(|word| word == "--tripinfo-output")?;
+    Some(dir.join("sumo").join(Path::new(command.get(option + 1)?).file_name()?))
+}

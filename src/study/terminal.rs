@@ -1,0 +1,98 @@
+//! A comparison on the terminal.
+
+use super::comparison::{Compared, ComparisonRow};
+use super::metrics::{METRIC_COUNT, METRICS, Metric};
+use comfy_table::{CellAlignment, Table, presets};
+
+/// Settings side by side in one table.
+const ABREAST: usize = 5;
+/// Fewer seeds than this are too few for an interval to be believed, and as many as that are recommended.
+const FEW: usize = 5;
+const ENOUGH: usize = 10;
+/// A difference is marked below this p.
+const LEVEL: f64 = 0.05;
+
+/// A number with the metric's decimals; whole numbers of metrics without a unit (counts) have none.
+fn number(metric: &Metric, value: f64, sign: bool) -> String {
+    let count = metric.unit.is_empty() && value == value.floor() && metric.decimals == 1;
+    let decimals = if count { 0 } else { metric.decimals };
+    let text = if sign { format!("{value:+.decimals$}") } else { format!("{value:.decimals$}") };
+    // What rounds to nothing has no sign.
+    if text.chars().any(|c| ('1'..='9').contains(&c)) { text } else { text.replace(['-', '+'], "") }
+}
+
+fn cell(metric: &Metric, compared: &Compared) -> String {
+    let Some(mean) = compared.mean else { return "-".to_owned() };
+    let width = |half: Option<f64>| half.map(|half| format!(" ± {}", number(metric, half, false))).unwrap_or_default();
+    let mut text = number(metric, mean, false) + &width(compared.ci95);
+    if let Some(difference) = compared.diff {
+        let mark = if compared.p_holm.is_some_and(|p| p < LEVEL) { "*" } else { "" };
+        text += &format!("\n{}{}{mark}", number(metric, difference, true), width(compared.diff_ci95));
+    }
+    text
+}
+
+/// The tables for the terminal: a column per setting, a row per metric, and what the second line of a cell means.
+pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> String {
+    let mut text = String::new();
+    let settings: Vec<&[ComparisonRow]> = rows.chunks(METRIC_COUNT).collect();
+    for settings in settings.chunks(ABREAST) {
+        let mut table = Table::new();
+        table.load_style(presets::UTF8_FULL_CONDENSED);
+        let head = settings.iter().map(|rows| rows[0].values.join("\n"));
+        table.set_header([keys.join("\n")].into_iter().chain(head));
+        for (k, metric) in METRICS.iter().enumerate() {
+            let unit = if metric.unit.is_empty() { String::new() } else { format!(" [{}]", metric.unit) };
+            let title = format!("{}{unit}", metric.title);
+            table.add_row([title].into_iter().chain(settings.iter().map(|rows| cell(metric, &rows[k].compared))));
+        }
+        for column in table.column_iter_mut().skip(1) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+        text += &format!("{table}\n");
+    }
+    let plural = if seeds == 1 { "seed" } else { "seeds" };
+    text += &format!("{seeds} {plural}. Means over the seeds ± half width of the 95 % t interval.");
+    if rows.iter().any(|row| row.compared.diff.is_some()) {
+        text += " Second lines: paired difference to the reference; * p < 0.05 after Holm over all of them.";
+    }
+    text + "\n"
+}
+
+/// What to think of the number of seeds; nothing if they are enough.
+pub fn advice(seeds: usize) -> Option<String> {
+    let few = format!(
+        "{seeds} seeds: intervals from fewer than {FEW} seeds are not to be believed; {ENOUGH} are recommended"
+    );
+    let some = format!("{seeds} seeds: {ENOUGH} are recommended");
+    (seeds < FEW).then_some(few).or((seeds < ENOUGH).then_some(some))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::comparison::tests::rows;
+    use super::*;
+
+    #[test]
+    fn the_terminal_shows_means_differences_and_what_they_are() {
+        let text = terminal_table(&["controller.name".to_owned()], 3, &rows(&[1.0, 2.0, 3.0], &[1.1, 2.2, 3.3]));
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines[1], "│ controller.name           ┆           ideal ┆          classic │");
+        assert!(text.contains("│ error RMS, mean [m/s]     ┆   2.000 ± 2.484 ┆    2.200 ± 2.733 │"), "{text}");
+        assert!(text.contains("│                           ┆                 ┆   +0.200 ± 0.248 │"), "{text}");
+        assert!(lines.last().unwrap().starts_with("3 seeds."), "{text}");
+    }
+
+    #[test]
+    fn without_a_spread_there_is_no_interval() {
+        let text = terminal_table(&["controller.name".to_owned()], 1, &rows(&[2.0], &[2.5]));
+        assert!(text.contains("+0.500 ") && !text.contains("0.500 ±") && text.contains("\n1 seed. "), "{text}");
+    }
+
+    #[test]
+    fn few_seeds_are_said_to_be_few() {
+        assert!(advice(4).unwrap().contains("not to be believed"));
+        assert_eq!(advice(5).unwrap(), "5 seeds: 10 are recommended");
+        assert_eq!(advice(10), None);
+    }
+}
