@@ -21,7 +21,7 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 	cargo build --release --locked
 	tests/bytes.sh target/release/sumo-mfc target/bytes --check
 
-matrix: setup-test ## Every controller in seventeen conditions on four networks beside `ideal`, one line per run (an hour)
+matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour)
 	cargo test --release --locked --test matrix -- --ignored --nocapture
 
 fuzz: ## Feed SUMO's recorded answers, changed at random, to the decoder for fuzz_s=60 seconds (nightly Rust)
