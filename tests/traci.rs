@@ -289,7 +289,6 @@ async fn walk_sets(version: &str) {
         vehicletype COLOR "ego" BLUE;
         vehicletype SCALE "ego" 0.5;
         lane LENGTH "C0B0_0" 90.0;
-        lane FRICTION "C0B0_0" 0.7;
         lane MAX_SPEED "C0B0_0" 10.0;
         trafficlight STATE "B1" "rrrrrrrrrrrrrrrr";
         trafficlight PROGRAM "B1" "0";

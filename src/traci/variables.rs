@@ -349,7 +349,7 @@ table! {
         COUNT = 0x01, get i32; "Number of lanes (object id \"\")."
         LENGTH = 0x44, get f64, set f64; "Length [m]; that of the shape may differ."
         WIDTH = 0x4d, get f64; "Width [m]."
-        FRICTION = 0x3d, get f64, set f64; "Friction [-]."
+        FRICTION = 0x3d, get f64; "Friction [-]; SUMO takes none (1.15 to 1.28)."
         MAX_SPEED = 0x41, get f64, set f64; "Limit [m/s]."
         SHAPE = 0x4e, get Shape; "Middle line x, y [m]."
         EDGE = 0x31, get String; "Its edge."
