@@ -701,6 +701,35 @@ fn keys_override_the_preset_and_only_what_they_name() {
     assert_eq!(body.yaw_inertia_kgm2, car().yaw_inertia_kgm2);
 }
 
+/// Whatever the torque, no body gains speed faster than it is said to be able to, and with the best torque nearly as fast.
+#[test]
+fn law_a_body_can_gain_what_it_says_and_no_more() {
+    const SECONDS: f64 = 0.5;
+    let plant = SevenDof::new(0.001);
+    for (front_share, cg_height_m, mu) in
+        [(1.0, 0.0, 1.0), (1.0, 0.6, 0.8), (0.0, 0.6, 0.8), (0.0, 0.0, 0.3), (0.5, 0.6, 0.9)]
+    {
+        let mut body = car();
+        (body.drive_front_share, body.cg_height_m, body.friction) = (front_share, cg_height_m, [mu; 4]);
+        (body.drive_torque_max_nm, body.brake_torque_max_nm) = (1e5, 1e5);
+        let [drive_mps2, brake_mps2] = body.acceleration_max_mps2();
+        let gained = |share: f64| {
+            let torque_nm = share * drive_mps2 * body.effective_mass_kg() * body.wheel_radius_m;
+            let mut block = block_of(&body, &State::rolling(&body, 10.0));
+            (run(&plant, &mut block, &inputs(torque_nm, 0.0), SECONDS).vx_mps - 10.0) / SECONDS
+        };
+        let best = [0.5, 0.8, 0.9, 0.95, 1.0, 1.05, 1.2, 2.0].map(gained).into_iter().fold(0.0, f64::max);
+        println!("{front_share} {cg_height_m} {mu}: {best:.2} of {drive_mps2:.2} m/s2");
+        assert!(
+            best <= drive_mps2 && best > 0.85 * drive_mps2,
+            "{front_share} {cg_height_m} {mu}: {best} {drive_mps2}"
+        );
+        assert!((brake_mps2 - mu * GRAVITY_MPS2).abs() < 1e-9);
+        body.drive_torque_max_nm = 0.5 * body.effective_mass_kg() * body.wheel_radius_m;
+        assert!((body.acceleration_max_mps2()[0] - 0.5).abs() < 1e-12, "the engine's limit");
+    }
+}
+
 #[test]
 fn law_factors_make_of_every_preset_the_same_kind_of_vehicle() {
     for entry in BODIES.iter() {

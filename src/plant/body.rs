@@ -96,12 +96,23 @@ impl Body {
         self.brake_torque_max_nm = self.brake_torque_max_nm.max(scale * decel_mps2);
     }
 
-    /// Largest acceleration and deceleration that torque limits and friction allow on a flat road [m/s²].
+    /// Largest acceleration and deceleration that torque limits and friction allow on a flat road [m/s²]. All wheels brake;
+    /// where one axle drives, it pulls with the load that the acceleration leaves on it (Gillespie 1992, Chapter 2).
     pub fn acceleration_max_mps2(&self) -> [f64; 2] {
         let scale = self.effective_mass_kg() * self.wheel_radius_m;
         let load_n = self.static_load_n();
-        let grip_n: f64 = load_n.iter().zip(self.friction).map(|(load, friction)| load * friction).sum();
-        [self.drive_torque_max_nm, self.brake_torque_max_nm].map(|torque| (torque / scale).min(grip_n / self.mass_kg))
+        let grip = |wheels: [usize; 2]| wheels.map(|i| load_n[i] * self.friction[i]).iter().sum::<f64>() / self.mass_kg;
+        let shift = |wheels: [usize; 2]| {
+            wheels.map(|i| 0.5 * self.friction[i]).iter().sum::<f64>() * self.cg_height_m / self.wheelbase_m()
+        };
+        let (front, rear) = ([0, 1], [2, 3]);
+        let all = grip(front) + grip(rear);
+        let driven = match self.drive_front_share {
+            1.0 => grip(front) / (1.0 + shift(front)),
+            0.0 => (grip(rear) / (1.0 - shift(rear)).max(f64::MIN_POSITIVE)).min(all),
+            _ => all,
+        };
+        [(self.drive_torque_max_nm / scale).min(driven), (self.brake_torque_max_nm / scale).min(all)]
     }
 
     /// Static load F_z of each wheel on a flat road \[N\].
