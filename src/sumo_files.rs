@@ -27,7 +27,7 @@ pub(crate) use demand::{Demand, LeftOpen, Param};
 pub use equipped::Equipped;
 pub use error::SumoFileError;
 pub use log::left_out;
-pub(crate) use options::boolean;
+pub(crate) use options::{boolean, named_output};
 pub(crate) use path::{absolute, environment};
 pub use settings::as_configured;
 pub use setup::{Source, SumoSetup};

@@ -23,11 +23,11 @@ pub struct Metric {
     pub decimals: usize,
     /// How it is read off a run.
     pub read: fn(&Totals) -> Option<f64>,
-    /// The column of `vehicles.csv` that it averages, or `timeloss` of SUMO's tripinfo; a vehicle with less of it is better.
+    /// The column of `vehicles.csv` that it averages; a vehicle with less of it is better.
     pub column: Option<&'static str>,
 }
 
-/// The time loss of SUMO's tripinfo, which all vehicles have, not only egos.
+/// The column that SUMO's tripinfo has of vehicles that are no egos, too.
 pub const TIME_LOSS: &str = "timeloss";
 
 type Read = fn(&Totals) -> Option<f64>;

@@ -17,7 +17,7 @@ pub struct CaseResult {
     pub state: State,
     /// As [`METRICS`]; none of a case that is not done.
     pub values: [Option<f64>; METRIC_COUNT],
-    /// Its vehicles; none of a case that is not done, or of a study that compares nothing.
+    /// Its vehicles; none of a case that is not done.
     pub vehicles: Vehicles,
 }
 
@@ -38,14 +38,9 @@ impl CaseResult {
         let manifest = Manifest::read(&dir.join(MANIFEST))?;
         // A run whose tripinfo cannot be read has said so; its time losses are missing.
         let trips = tripinfo(&dir, &manifest.sumo_command).and_then(|path| Trips::read(&path).ok()).unwrap_or_default();
-        let losses = trips.all().map(|trip| trip.time_loss_s);
-        let count = trips.all().count();
-        let time_loss_mean_s = (count > 0).then(|| losses.sum::<f64>() / count as f64);
-        let totals = Totals { summary, time_loss_mean_s };
+        let vehicles = Vehicles::read(&dir.join(&setting.scenario.output.vehicles), &trips)?;
+        let totals = Totals { summary, time_loss_mean_s: vehicles.time_loss_mean_s() };
         let values = METRICS.each_ref().map(|metric| (metric.read)(&totals).filter(|value| value.is_finite()));
-        let compared = plan.settings.iter().any(|setting| setting.reference.is_some());
-        let table = dir.join(&setting.scenario.output.vehicles);
-        let vehicles = if compared { Vehicles::read(&table, &trips)? } else { Vehicles::default() };
         Ok(Self { state, values, vehicles })
     }
 }

@@ -3,7 +3,7 @@
 use super::definition::{Axis, Definition};
 use super::error::StudyError;
 use crate::scenario::{Catalog, Override, Scenario, ScenarioError, Selector};
-use crate::sumo_files::as_configured;
+use crate::sumo_files::{as_configured, named_output};
 
 /// The key that chooses the controller.
 const CONTROLLER: &str = "controller.name";
@@ -100,6 +100,9 @@ fn fit(scenario: &Scenario) -> Result<(), StudyError> {
     let sumo = &scenario.sumo;
     let unfit = |key, found: String, wanted| Err(StudyError::Unfit { key, found, wanted });
     let alone = "nothing: each case of a study starts a SUMO of its own";
+    if let Some(option) = named_output(&sumo.options) {
+        return unfit("sumo.options", option, "no option that names files to write: each case has a folder of its own");
+    }
     match (&sumo.connect, sumo.port, sumo.num_clients, sumo.gui) {
         (Some(connect), ..) => unfit("sumo.connect", connect.clone(), alone),
         (_, Some(port), ..) => unfit("sumo.port", port.to_string(), alone),

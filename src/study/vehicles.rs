@@ -54,7 +54,7 @@ impl Vehicles {
         let headers = reader.headers()?.clone();
         let place = |name: &str| headers.iter().position(|header| header == name);
         let (id, complete) = (place("id").unwrap_or(0), place("complete"));
-        let columns = METRICS.each_ref().map(|m| m.column.filter(|c| *c != TIME_LOSS).and_then(place));
+        let columns = METRICS.each_ref().map(|m| m.column.and_then(place));
         let (mut seen, mut row) = (BTreeMap::<String, usize>::new(), csv::StringRecord::new());
         while reader.read_record(&mut row)? {
             let field = |place: Option<usize>| row.get(place?);
@@ -67,6 +67,13 @@ impl Vehicles {
             }
         }
         Ok(())
+    }
+
+    /// Mean time loss of all that have one \[s\]: for egos that of our table, which is right also where bodies lead.
+    pub fn time_loss_mean_s(&self) -> Option<f64> {
+        let place = METRICS.iter().position(|metric| metric.column == Some(TIME_LOSS))?;
+        let losses: Vec<f64> = self.0.values().filter_map(|vehicle| vehicle.values[place]).collect();
+        (!losses.is_empty()).then(|| losses.iter().sum::<f64>() / losses.len() as f64)
     }
 
     /// Compares the vehicles that arrived in both runs, metric by metric.
@@ -122,6 +129,15 @@ mod tests {
         assert_eq!(pairs[place("timeloss_mean")], Pairs { count: 2, better: 1, difference: -3.0 });
         assert_eq!(pairs[place("arrived")], Pairs::default());
         assert_eq!(own.pairs(&own)[place("timeloss_mean")], Pairs { count: 3, better: 0, difference: 0.0 });
+    }
+
+    #[test]
+    fn an_ego_has_the_time_loss_of_our_table() {
+        let own = read("id,timeloss,complete\na,5,true\n", &[("a", 900.0, true), ("b", 1.0, true)]);
+        assert_eq!(own.time_loss_mean_s(), Some(3.0));
+        let reference = read("id,timeloss,complete\na,7,true\n", &[("a", 1.0, true), ("b", 1.0, true)]);
+        assert_eq!(own.pairs(&reference)[place("timeloss_mean")], Pairs { count: 2, better: 1, difference: -2.0 });
+        assert_eq!(read("id,complete\n", &[]).time_loss_mean_s(), None);
     }
 
     #[test]

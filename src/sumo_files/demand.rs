@@ -13,7 +13,7 @@ use super::{
     options::INPUTS,
     path::absolute,
     redirect::writes_file,
-    sampling::{Sampling, configured_step_s},
+    sampling::Sampling,
     settings::Settings,
     setup::{Source, SumoSetup},
     xml::Element,
@@ -199,7 +199,7 @@ fn refuse(setup: &SumoSetup, settings: &Settings, end: Option<Place>) -> Result<
 fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Option<String> {
     // A SUMO that runs already has started with its own options.
     let configuration = settings.configuration.as_ref().filter(|_| setup.connect.is_none())?;
-    let step_s = configured_step_s(settings);
+    let step_s = settings.step_s();
     let ballistic = settings.is_on("step-method.ballistic");
     let mut changes = Vec::new();
     if step_s != Some(setup.step_length_s) {

@@ -102,6 +102,12 @@ pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
     words(options).map(|(name, value, _)| (name, value)).collect()
 }
 
+/// The first of the user's options that says where SUMO writes something.
+pub(crate) fn named_output(options: &[String]) -> Option<String> {
+    let names = |name: &String| writes(name) || ["output-prefix", "output-suffix"].contains(&name.as_str());
+    given(options).into_keys().find(names).map(|name| format!("--{name}"))
+}
+
 /// The user's options but one.
 pub(super) fn without(options: &[String], option: &str) -> Vec<String> {
     let dropped: Vec<_> = words(options).filter(|(name, ..)| name == option).map(|(.., range)| range).collect();

@@ -1,7 +1,7 @@
 //! Outputs that SUMO writes in every step. Where the step is made shorter than the configuration's, they keep their
 //! sampling, as far as SUMO has an option for it: their files would grow as the number of steps does.
 
-use super::{options::seconds, settings::Settings};
+use super::settings::Settings;
 
 /// Outputs of every step, with the option that sets their period (SUMO 1.15 to 1.28), if there is one.
 const EVERY_STEP: &[(&str, Option<&str>)] = &[
@@ -19,11 +19,8 @@ const EVERY_STEP: &[(&str, Option<&str>)] = &[
     ("link-output", None),
 ];
 
-/// SUMO's own step, if an option does not say otherwise \[s\].
-const STEP_S: f64 = 1.0;
-
 /// What becomes of the outputs of a configuration under a shorter step.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub(super) struct Sampling {
     /// Options that keep the configuration's step as the period, with that period.
     pub periods: Vec<(&'static str, String)>,
@@ -37,7 +34,7 @@ impl Sampling {
     /// For steps of `step_s` \[s\].
     pub fn of(settings: &Settings, step_s: f64) -> Self {
         let mut sampling = Self::default();
-        let theirs_s = configured_step_s(settings).unwrap_or(step_s);
+        let theirs_s = settings.step_s().unwrap_or(step_s);
         if settings.configuration.is_none() || theirs_s < step_s + 1e-9 {
             return sampling;
         }
@@ -62,9 +59,4 @@ impl Sampling {
         let kept = line(&self.kept, "sampled as before");
         kept.into_iter().chain(line(&self.grown, "larger, with a sample in each of the shorter steps"))
     }
-}
-
-/// The step of the configuration \[s\]; `None` if it cannot be read.
-pub(super) fn configured_step_s(settings: &Settings) -> Option<f64> {
-    settings.value("step-length").map_or(Some(STEP_S), seconds)
 }

@@ -14,6 +14,9 @@ use super::{
 };
 use crate::place::Place;
 
+/// SUMO's own step \[s\].
+const STEP_S: f64 = 1.0;
+
 /// Options of SUMO by their long names.
 #[derive(Debug)]
 pub(super) struct Settings {
@@ -58,6 +61,11 @@ impl Settings {
         self.value(option).and_then(seconds)
     }
 
+    /// SUMO's step, that of SUMO itself if no option says otherwise; `None` if it cannot be read \[s\].
+    pub fn step_s(&self) -> Option<f64> {
+        self.value("step-length").map_or(Some(STEP_S), seconds)
+    }
+
     /// The files that an option names, absolute.
     pub fn files(&self, option: &str) -> Vec<PathBuf> {
         match (self.given.get(option), &self.configuration) {
@@ -87,7 +95,7 @@ impl Settings {
 pub fn as_configured(setup: &SumoSetup) -> Result<SumoSetup, SumoFileError> {
     let settings = Settings::read(setup)?;
     Ok(SumoSetup {
-        step_length_s: settings.time_s("step-length").unwrap_or(1.0),
+        step_length_s: settings.step_s().unwrap_or(setup.step_length_s),
         ballistic: settings.is_on("step-method.ballistic"),
         contacts: Some(false),
         ..setup.clone()

@@ -47,6 +47,11 @@ fn wrong_arguments_are_refused() {
         (&["--port", "4711"], "sumo.port: found 4711, wanted nothing"),
         (&["--vehicles-output", "v.parquet"], "output.vehicles: found v.parquet"),
         (&["--plan", "--collect"], "cannot be used with"),
+        (
+            &["--", "--tripinfo", "/tmp/all.xml"],
+            "sumo.options: found --tripinfo-output, wanted no option that names files",
+        ),
+        (&["--", "--output-suffix", "x"], "sumo.options: found --output-suffix, wanted no option that names files"),
     ] {
         let said = refusal(&[&["scenarios/straight.toml"], args].concat());
         assert!(said.contains(wanted), "{args:?}: {said}");
