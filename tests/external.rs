@@ -36,6 +36,16 @@ fn a_law_of_another_crate_drives_in_sumo() {
     );
     assert!(support::number(&rows[0], "error_rms") < 0.1, "{rows:?}");
     assert!(table(&dir.join("trace.csv")).len() > 500);
+    // A study runs its cases as processes of the same program, so the law serves there as well.
+    let study = folder.path().join("study");
+    let controllers = ["--controllers", "proportional,pid", "--seeds", "1", "--end", "5"];
+    cargo_run(
+        "own_law",
+        &[&["compare", "scenarios/straight.toml", "-o", study.to_str().unwrap()], &controllers[..]].concat(),
+    );
+    let cases = table(&study.join("cases.csv"));
+    assert_eq!(cases.iter().map(|row| row["controller.name"].as_str()).collect::<Vec<_>>(), ["proportional", "pid"]);
+    assert!(cases.iter().all(|row| row["status"] == "done" && row["egos"] == "1"), "{cases:?}");
     let summary = support::json(&dir.join("summary.json"));
     assert!(summary["fleet"]["error_rms"]["p50"].as_f64().unwrap() < 0.1, "{summary}");
 }
