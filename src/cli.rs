@@ -83,8 +83,6 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     };
     if !args.quiet {
         notes(&result.notes);
-    }
-    if !args.quiet {
         print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
     }
     if let Some(profile) = result.profile {

@@ -3,7 +3,7 @@
 
 /// Slower than people walk [m/s].
 pub const SLOW_MPS: f64 = 1.0;
-/// Longer than a queue takes to close up \[s\].
+/// Longer than most queues take to close up \[s\]; in jammed traffic (`docs/matrix.md`) some take longer.
 pub const LONG_S: f64 = 60.0;
 /// A body that is slower stands [m/s].
 const STANDS_MPS: f64 = 0.01;

@@ -87,9 +87,7 @@ impl Manifest {
             files: Vec::new(),
         }
     }
-}
 
-impl Manifest {
     /// Reads a `run.json`.
     ///
     /// # Errors

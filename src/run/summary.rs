@@ -25,7 +25,7 @@ pub(super) const COUNTS: [(&str, &str); 4] = [
     ("unequipped", "Departed vehicles that the selectors left to SUMO"),
     ("other_classes", "Departed vehicles without four wheels"),
     ("refused", "Departed vehicles that were to be egos but cannot be"),
-    ("crept", "Egos that moved for more than 60 s without exceeding 1 m/s"),
+    ("crept", "Egos that crept; the note of the run says what that is"),
 ];
 
 /// The contents of `summary.json`.

@@ -15,7 +15,7 @@ use super::{
     reader::{Reader, names},
     sections::{Egos, Named},
     selector::Selector,
-    trace::TraceRows,
+    trace::{TraceRows, whole},
 };
 use crate::{
     keys::{Key, Keys, Kind, Values},
@@ -349,7 +349,6 @@ fn vehicle(reader: &mut Reader, path: &str, table: &Table, catalog: &Catalog) ->
 /// SUMO rounds its step to 1 ms, a step holds whole control periods, and rows of a trace fall on their ends.
 fn whole_periods(reader: &mut Reader, scenario: &Scenario, root: &Table) {
     let (step_s, period_s) = (scenario.sumo.step_length_s, scenario.coupling.control_period_s);
-    let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() < 1e-6 * ratio;
     let at = |name: &str, key: &str| match root.get(name).map(|e| &e.node) {
         Some(Node::Table(table)) => table.get(key),
         _ => None,
@@ -366,10 +365,10 @@ fn whole_periods(reader: &mut Reader, scenario: &Scenario, root: &Table) {
         }
     };
     // One of step and period was given: the defaults fit each other.
-    if !whole(step_s / 0.001) {
+    if whole(step_s / 0.001).is_none() {
         let wanted = "a whole number of milliseconds, as SUMO has it".to_owned();
         note(step.or(period), "sumo.step_length_s", step_s, wanted);
-    } else if !whole(step_s / period_s) {
+    } else if whole(step_s / period_s).is_none() {
         let wanted = format!("a whole number of control periods (coupling.control_period_s = {period_s:?})");
         note(step.or(period), "sumo.step_length_s", step_s, wanted);
     } else if let (Some(trace_s), true) = (scenario.output.trace_period_s, scenario.sumo.connect.is_none())

@@ -39,7 +39,6 @@ impl TraceRows {
     /// # Errors
     /// What is wanted, if rows would fall between two control periods or be unevenly spaced.
     pub fn every(trace_s: f64, step_s: f64, period_s: f64) -> Result<Self, String> {
-        let whole = |ratio: f64| (ratio > 0.5 && (ratio - ratio.round()).abs() < 1e-6 * ratio).then(|| ratio.round());
         let steps = whole(trace_s / step_s).map(|steps| Self::Steps(steps as u64));
         let periods = whole(step_s / trace_s).and(whole(trace_s / period_s));
         let rows = steps.or(periods.map(|periods| Self::Periods(periods as u32)));
@@ -49,6 +48,11 @@ impl TraceRows {
             )
         })
     }
+}
+
+/// The ratio of two times, if it is a whole number but for rounding.
+pub(super) fn whole(ratio: f64) -> Option<f64> {
+    (ratio > 0.5 && (ratio - ratio.round()).abs() < 1e-6 * ratio).then(|| ratio.round())
 }
 
 impl Setting for Trace {
