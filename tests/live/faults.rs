@@ -1,8 +1,8 @@
 //! What goes wrong around a run: the message says what, nothing that was computed is lost, no SUMO stays behind.
 
 use crate::support::{
-    CAR, NEW, OLD, Running, TOO_OLD, configuration, json, own, refusal, repository, run, run_command, straight_road,
-    table,
+    CAR, NEW, OLD, Running, TOO_OLD, children, configuration, json, own, refusal, repository, run, run_command,
+    straight_road, table,
 };
 use std::fs;
 use std::net::TcpListener;
@@ -84,13 +84,6 @@ fn a_folder_that_cannot_be_made_is_named() {
     let ended = Running::start(run_command(NEW, &own("light"), &file.join("result"), &[])).wait();
     assert_eq!(ended.code, Some(1));
     assert!(ended.stderr.contains("file"), "{}", ended.stderr);
-}
-
-/// Processes that a process has started.
-fn children(pid: u32) -> Vec<u32> {
-    let list = fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
-    let texts = list.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
-    texts.flat_map(|t| t.split_whitespace().filter_map(|p| p.parse().ok()).collect::<Vec<_>>()).collect()
 }
 
 fn is_alive(pid: u32) -> bool {

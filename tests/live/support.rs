@@ -104,6 +104,13 @@ impl Running {
     }
 }
 
+/// Processes that a process has started.
+pub fn children(pid: u32) -> Vec<u32> {
+    let list = fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
+    let texts = list.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
+    texts.flat_map(|t| t.split_whitespace().filter_map(|p| p.parse().ok()).collect::<Vec<_>>()).collect()
+}
+
 /// The program, with this version of SUMO to be found.
 pub fn program(version: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sumo-mfc"));

@@ -22,6 +22,9 @@ fn a_trace_may_be_finer_than_sumos_step() {
                 run(version, &config, &[&args[..], &["--trace-period", period]].concat()).table("trace.csv")
             };
             let (fine, coarse) = (trace("0.01"), trace("0.1"));
+            let (all, fifth) = (of(&fine, "ego"), trace("0.05"));
+            let wanted: Vec<&Row> = all.iter().skip(4).step_by(5).copied().collect();
+            assert_eq!(of(&fifth, "ego"), wanted, "{what}: every fifth control period");
             assert!(fine.is_sorted_by_key(|row| number(row, "time")), "{what}");
             for id in ["ego", "late"] {
                 let (fine, coarse) = (of(&fine, id), of(&coarse, id));

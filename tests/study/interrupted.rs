@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant, SystemTime};
 
-use super::support::{Running, table};
+use super::support::{Running, children, table};
 use super::{MOTORWAY, command, ended, study, tables};
 
 /// Three settings under four seeds.
@@ -105,6 +105,27 @@ fn an_interrupted_study_stops_within_a_step_and_says_how_to_go_on() {
     assert!(ended.stderr.contains("stopped: 0 of 2 cases are done; the same command goes on"), "{}", ended.stderr);
     let status = study("sweep", folder.path(), &[&long[..], &["--status"]].concat()).stdout;
     assert!(status.contains("0 done, 0 failed, 2 missing"), "{status}");
+}
+
+/// A case that dies without a word fails for a reason, too, and the others are run.
+#[test]
+fn a_case_that_is_killed_has_failed_and_the_study_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let two =
+        ["scenarios/motorway.toml", "--vary", "controller.name=pid,ideal", "--seeds", "1", "--end", "120", "-j", "1"];
+    let running = Running::start(command("sweep", folder.path(), &two));
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !folder.path().join("cases/0001/sumo/tripinfo.xml").exists() {
+        assert!(Instant::now() < deadline, "the first case does not begin");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let [case] = children(running.child.id())[..] else { panic!("one case at a time") };
+    signal("-KILL", case);
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+    let rows = table(&folder.path().join("cases.csv"));
+    assert_eq!((&*rows[0]["status"], &*rows[1]["status"]), ("failed", "done"), "{}", ended.stderr);
+    assert!(rows[0]["reason"].contains("signal: 9"), "{:?}", rows[0]["reason"]);
 }
 
 #[test]
