@@ -49,7 +49,7 @@ pub use profile::Profile;
 pub use repeat::repeated;
 pub use result::RunResult;
 pub use result_dir::{MANIFEST, ResultDir};
-pub use rows::{EDGES, EdgeRow, SAMPLE, SampleRow, TRACE, TraceRow, VEHICLES, VehicleRow};
+pub use rows::{EDGES, EdgeRow, QUALITY, QualityRow, SAMPLE, SampleRow, TRACE, TraceRow, VEHICLES, VehicleRow};
 pub use schema::{FileSchema, Schema};
 pub use session::{Session, SessionOptions};
 pub use setup::world;

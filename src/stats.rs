@@ -13,15 +13,21 @@
 //!   positive, 0 if the vehicle never sped up or never slowed down.
 //! - **Overshoot** is how far V_x goes beyond a reference that has risen by more than [`RISE_MPS`] (`stats/overshoot.rs`).
 //! - **Shares** count SUMO steps by what bound the target; they sum to 1.
+//! - **Drive quality** (ratings, comfort, work) is kept beside these by [`QualityBlock`].
 
 mod block;
+mod comfort;
 mod overshoot;
+mod quality;
 mod sample;
+mod trace;
 mod vehicle;
+mod weighting;
 mod window;
 
 pub use block::StatsBlock;
 pub use overshoot::RISE_MPS;
+pub use quality::{DriveQuality, Motion, QualityBlock, RoadLoad};
 pub use sample::{Sample, StepSample};
 pub use vehicle::{Sums, VehicleStats};
 pub use window::WINDOW_S;

@@ -9,8 +9,16 @@ use sumo_mfc::run::{FileSchema, Schema};
 use sumo_mfc::study::{case_layout, comparison_layout};
 
 /// The tables in the order of the page.
-const FILES: [&str; 7] =
-    ["vehicles.csv", "trace.csv", "sample.csv", "edges.csv", "summary.json", "cases.csv", "comparison.csv"];
+const FILES: [&str; 8] = [
+    "vehicles.csv",
+    "quality.csv",
+    "trace.csv",
+    "sample.csv",
+    "edges.csv",
+    "summary.json",
+    "cases.csv",
+    "comparison.csv",
+];
 
 fn page() -> String {
     let run = serde_json::to_value(Schema::of_run("vehicles.csv", Some("trace.csv"))).unwrap();

@@ -3,7 +3,7 @@
 use super::egos::Ego;
 use super::roads::Roads;
 use crate::fleet::Fleet;
-use crate::stats::VehicleStats;
+use crate::stats::{DriveQuality, VehicleStats};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -68,6 +68,8 @@ pub struct Finished {
     pub reason: Reason,
     /// Its statistics.
     pub stats: VehicleStats,
+    /// Its drive quality.
+    pub quality: DriveQuality,
     /// ∫V_x dt \[m\].
     pub distance_m: f64,
     /// SUMO's odometer minus that \[m\].
@@ -121,7 +123,7 @@ impl Records {
     pub fn end(&mut self, ego: Ego, fleet: &mut Fleet, time_s: f64, reason: Reason) {
         let (slot, lane) = (ego.slot, ego.slot.lane());
         let block = fleet.block_mut(slot);
-        let distance_m = block.distance_m(lane);
+        let (distance_m, quality) = (block.distance_m(lane), block.quality(lane));
         if let Some(road) = ego.road {
             let sums = block.take_sums(lane);
             self.roads.add(road, &sums);
@@ -136,6 +138,7 @@ impl Records {
             arrival_s: matches!(reason, Reason::Arrived | Reason::TeleportedOut).then_some(time_s),
             reason,
             stats: fleet.release(slot),
+            quality,
             distance_m,
             odometer_gap_m: ego.odometer_gap_m,
             time_loss_s: ego.leader.map(|leader| leader.time_loss_s),

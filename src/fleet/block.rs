@@ -3,7 +3,7 @@
 
 use super::driver::{Driver, Ramp, SumoStep};
 use super::follow::{Bound, Follow};
-use super::setup::{ActuatorSetup, LoopConfig, VehicleSetup};
+use super::setup::{ActuatorSetup, LoopConfig, VehicleSetup, least, road_load};
 use super::snapshot::Snapshot;
 use super::steering::Steering;
 use crate::columns::{Slots, columns};
@@ -11,7 +11,7 @@ use crate::control::{Actuation, Command, Controller, Observation};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
 use crate::plant::{Actuators, Body, Inputs, PlantBlock, State};
-use crate::stats::{Sample, StatsBlock, StepSample, Sums, VehicleStats};
+use crate::stats::{DriveQuality, Motion, QualityBlock, Sample, StatsBlock, StepSample, Sums, VehicleStats};
 use crate::stopwatch::Stopwatch;
 
 /// Slower than this and wanted at rest: the brake holds and all states are exactly 0 [m/s].
@@ -40,6 +40,8 @@ columns! {
         shared {
             group: usize = group,
             command: Command = Command::default(),
+            /// Control periods of the last step.
+            periods: u32 = 1,
             /// What watched slots showed within the last step: period of the step (from 1), slot.
             snapshots: Vec<(u32, usize, Snapshot)> = Vec::new(),
             pub(super) stopwatch: Stopwatch<3> = Stopwatch::new(false),
@@ -54,6 +56,7 @@ columns! {
             /// How each slot is steered.
             pub steering: Steering = Steering::default(),
             stats: StatsBlock = StatsBlock::new(period_s),
+            quality: QualityBlock = QualityBlock::new(period_s),
         }
         columns {
             nominal_nm_per_mps2: f64 = 1.0,
@@ -105,6 +108,7 @@ impl Block {
         self.tyre_friction[slot] = body.friction;
         self.steering.set(slot, body.wheelbase_m(), body.understeer_gradient(), least(body.friction));
         self.plant.set_body(slot, body);
+        self.quality.set_load(slot, &road_load(body));
         if self.controller.is_some() {
             self.driver.set_limits(slot, self.acceleration_limits_mps2(slot));
         }
@@ -125,6 +129,7 @@ impl Block {
     pub fn appear(&mut self, slot: usize, speed_mps: f64) {
         self.present[slot] = 1.0;
         self.stats.rejoin(slot, speed_mps);
+        self.quality.rejoin(slot, speed_mps);
         self.held[slot] = 0.0;
         self.target_mps[slot] = speed_mps;
         self.driver.appear(slot, speed_mps);
@@ -306,10 +311,16 @@ impl Block {
         self.stats.read(slot)
     }
 
+    /// What the drive quality of a slot is so far.
+    pub fn quality(&self, slot: usize) -> DriveQuality {
+        self.quality.read(slot)
+    }
+
     /// One SUMO step: `periods` control periods along the reference.
     pub(super) fn step(&mut self, config: &LoopConfig, periods: u32, follow: Follow) {
         self.stopwatch.start();
         self.snapshots.clear();
+        self.periods = periods;
         let before_mps = self.plant.vx_mps;
         let step_s = f64::from(periods) * config.period_s;
         self.lead_limited = match follow {
@@ -408,6 +419,12 @@ impl Block {
             torque_nm: self.inputs.torque_nm,
             active: self.present,
         });
+        self.quality.sample(&Motion {
+            speed_mps: &speed_mps,
+            torque_nm: &self.inputs.torque_nm,
+            wheel_speed_radps: &self.plant.wheel_speed_radps,
+            active: &self.present,
+        });
         self.stopwatch.lap(STATISTICS);
     }
 
@@ -476,10 +493,6 @@ impl Block {
             bound_clamp: bound(Bound::Clamp),
             active: self.present,
         });
+        self.quality.step(&speed_mps, &self.sumo_mps, self.periods, &self.present);
     }
-}
-
-/// The friction of the wheel that has least.
-fn least(friction: [f64; 4]) -> f64 {
-    friction.into_iter().fold(f64::INFINITY, f64::min)
 }

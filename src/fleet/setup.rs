@@ -3,6 +3,7 @@
 use crate::control::Controller;
 use crate::plant::{Body, Plant};
 use crate::random::Stream;
+use crate::stats::RoadLoad;
 
 /// The actuators between command and wheels, for one vehicle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -44,4 +45,20 @@ pub struct LoopConfig {
     pub period_s: f64,
     /// The reference that is carried from step to step stays within this of the body's speed [m/s].
     pub reference_bound_mps: f64,
+}
+
+/// What resists a body on a flat road.
+pub(super) fn road_load(body: &Body) -> RoadLoad {
+    RoadLoad {
+        effective_mass_kg: body.effective_mass_kg(),
+        rolling_n: body.rolling_n(),
+        drag_ns2pm2: body.drag_ns2pm2(),
+        drive_front_share: body.drive_front_share,
+        brake_front_share: body.brake_front_share,
+    }
+}
+
+/// The friction of the wheel that has least.
+pub(super) fn least(friction: [f64; 4]) -> f64 {
+    friction.into_iter().fold(f64::INFINITY, f64::min)
 }

@@ -79,6 +79,16 @@ impl Body {
         self.mass_kg + 4.0 * self.wheel_inertia_kgm2 / (self.wheel_radius_m * self.wheel_radius_m)
     }
 
+    /// Rolling resistance on a flat road \[N\].
+    pub fn rolling_n(&self) -> f64 {
+        self.rolling_resistance * self.mass_kg * GRAVITY_MPS2
+    }
+
+    /// Drag over the square of the speed through the air, ρ C_d A/2 [N·s²/m²].
+    pub fn drag_ns2pm2(&self) -> f64 {
+        0.5 * AIR_DENSITY_KGPM3 * self.drag_area_m2
+    }
+
     /// Makes the vehicle heavier or lighter as a loaded one of its kind: yaw inertia and torque limits go with the mass.
     pub fn load_to(&mut self, mass_kg: f64) {
         let factor = mass_kg / self.mass_kg;

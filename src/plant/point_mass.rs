@@ -1,7 +1,7 @@
 //! The smallest plant: a point on a line with the body's mass and brakes, to tell apart what the tyres do.
 
 use super::block::{Inputs, Plant, PlantBlock, State};
-use super::body::{AIR_DENSITY_KGPM3, GRAVITY_MPS2};
+use super::body::GRAVITY_MPS2;
 use crate::lanes::{Flags, LANES};
 
 /// (M + ΣI_r/r²) V̇_x = C_T/r − M g sin(grade) − drag − rolling resistance, wheels that never slip, no lateral motion.
@@ -14,9 +14,9 @@ impl Plant for PointMass {
             let (speed, torque) = (block.state(slot).vx_mps, inputs.torque_nm[slot]);
             let mass = body.effective_mass_kg();
             let wind = speed + inputs.headwind_mps[slot];
-            let air = 0.5 * AIR_DENSITY_KGPM3 * body.drag_area_m2 * wind * wind.abs();
+            let air = body.drag_ns2pm2() * wind * wind.abs();
             let slope = body.mass_kg * GRAVITY_MPS2 * libm::sin(inputs.grade_rad[slot]);
-            let rolling = if speed > 0.0 { body.rolling_resistance * body.mass_kg * GRAVITY_MPS2 } else { 0.0 };
+            let rolling = if speed > 0.0 { body.rolling_n() } else { 0.0 };
             let pull = -slope - air - rolling;
             let next = speed + period_s * (pull + torque / body.wheel_radius_m) / mass;
             // Brakes stop, they do not reverse; and they hold what they can.

@@ -23,7 +23,7 @@
 //! tyres ([`Grip`]), forces, rates.
 
 use super::axle::Axle;
-use super::body::{AIR_DENSITY_KGPM3, Body, GRAVITY_MPS2};
+use super::body::{Body, GRAVITY_MPS2};
 use super::layout::{FourWheels, Layout};
 use super::tyre::Tyre;
 use crate::lanes::Lanes;
@@ -112,7 +112,7 @@ impl Car {
             roll_transfer: [load[0], load[2]].map(|f| 2.0 * f / GRAVITY_MPS2 * per_track),
             drive_share: [0.5 * body.drive_front_share, 0.5 * (1.0 - body.drive_front_share)],
             brake_share: [0.5 * body.brake_front_share, 0.5 * (1.0 - body.brake_front_share)],
-            drag: 0.5 * AIR_DENSITY_KGPM3 * body.drag_area_m2,
+            drag: body.drag_ns2pm2(),
             rolling: body.rolling_resistance * weight,
             ellipse: if body.combined_slip { 1.0 } else { 0.0 },
             lateral_grip: body.lateral_grip,

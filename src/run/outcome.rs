@@ -1,7 +1,7 @@
 //! What a run comes to: SUMO's own outputs joined with the fleet's records.
 
 use super::error::RunError;
-use super::rows::{EdgeRow, VehicleRow, edge_rows};
+use super::rows::{EdgeRow, QualityRow, VehicleRow, edge_rows};
 use super::summary::{COUNTS, SumoTotals};
 use crate::cosim::{Counters, Finished, LONG_S, Reason, Records, SLOW_MPS};
 use crate::registry::nearest;
@@ -13,6 +13,8 @@ use std::collections::{BTreeSet, HashMap};
 pub struct Outcome {
     /// One row per ego that departed.
     pub rows: Vec<VehicleRow>,
+    /// Its drive quality, row by row.
+    pub quality: Vec<QualityRow>,
     /// Errors by road.
     pub edges: Vec<EdgeRow>,
     /// Totals of the whole traffic.
@@ -81,10 +83,14 @@ impl Outcome {
         let refused = counters.refused.len() as u64;
         let counts = [counters.unequipped, counters.others.values().sum(), refused, counters.crept];
         let driven: BTreeSet<usize> = records.finished.iter().map(|record| record.group).collect();
+        let qualities: Vec<_> = records.finished.iter().map(|record| record.quality).collect();
         let rows: Vec<_> =
             records.finished.into_iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
+        let quality = rows.iter().zip(qualities);
+        let quality =
+            quality.map(|(row, quality)| QualityRow { id: row.id.clone(), depart: row.depart, quality }).collect();
         notes.extend(unmatched(scenario, &driven, &rows));
-        Self { rows, edges, totals, counts, notes, failed: broken.map(RunError::Outputs).or(nobody) }
+        Self { rows, quality, edges, totals, counts, notes, failed: broken.map(RunError::Outputs).or(nobody) }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::error::RunError;
 use super::outcome::Outcome;
 use super::result_dir::{ResultDir, SCHEMA};
-use super::rows::{EDGES, SampleRow, TRACE, TraceRow, VEHICLES, sort_vehicles};
+use super::rows::{EDGES, QUALITY, SampleRow, TRACE, TraceRow, VEHICLES, sort_by_departure};
 use super::sampler::{SAMPLED, Sampler};
 use super::schema::Schema;
 use crate::cosim::{Ego, World};
@@ -59,12 +59,14 @@ impl Recorder {
 
     /// Completes all tables that can be completed; the first error is the one to tell.
     pub fn finish(self, dir: &ResultDir, scenario: &Scenario, outcome: &mut Outcome) -> Result<(), RunError> {
-        sort_vehicles(&mut outcome.rows);
+        sort_by_departure(&mut outcome.rows, |row| (row.depart, &row.id));
+        sort_by_departure(&mut outcome.quality, |row| (row.depart, &row.id));
         let vehicles = write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows);
+        let quality = write_table(&dir.file("quality.csv"), &QUALITY, &outcome.quality);
         let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges);
         let trace = self.trace.map_or(Ok(()), |trace| trace.finish().map(drop));
         let sample = self.sampler.finish().map(drop);
-        vehicles.map(drop).and(edges.map(drop)).and(trace).and(sample)?;
+        vehicles.map(drop).and(quality.map(drop)).and(edges.map(drop)).and(trace).and(sample)?;
         Ok(())
     }
 }

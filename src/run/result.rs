@@ -6,7 +6,7 @@ use super::outcome::Outcome;
 use super::profile::Profile;
 use super::recorder::Recorder;
 use super::result_dir::{ResultDir, SUMMARY};
-use super::rows::VehicleRow;
+use super::rows::{QualityRow, VehicleRow};
 use super::signals::Signal;
 use super::summary::Summary;
 use crate::cosim::Records;
@@ -24,6 +24,8 @@ pub struct RunResult {
     pub dir: PathBuf,
     /// One row per ego that departed.
     pub rows: Vec<VehicleRow>,
+    /// Their drive quality, in the same order.
+    pub quality: Vec<QualityRow>,
     /// Summary of the fleet.
     pub summary: Summary,
     /// Files written, relative to the folder.
@@ -140,7 +142,7 @@ impl ResultWriter {
         self.notes.append(&mut outcome.notes);
         self.manifest.notes.extend(self.notes.iter().cloned());
         let times_s = [time_s - begin_s, self.started.elapsed().as_secs_f64()];
-        let summary = Summary::new(&outcome.rows, outcome.counts, outcome.totals, times_s);
+        let summary = Summary::new((&outcome.rows, &outcome.quality), outcome.counts, outcome.totals, times_s);
         let tables = recorder.finish(&self.dir, &self.scenario, &mut outcome);
         self.dir.write(SUMMARY, &summary)?;
         tables?;
@@ -152,6 +154,7 @@ impl ResultWriter {
         Ok(RunResult {
             dir: self.dir.path().to_owned(),
             rows: outcome.rows,
+            quality: outcome.quality,
             summary,
             files: self.manifest.files.clone(),
             notes: self.notes.clone(),

@@ -8,7 +8,7 @@ use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
 
 /// The tables that a run may write, without suffix.
-const TABLES: [&str; 4] = ["vehicles", "trace", "edges", "sample"];
+const TABLES: [&str; 5] = ["vehicles", "quality", "trace", "edges", "sample"];
 /// What was run.
 pub const MANIFEST: &str = "run.json";
 /// The summary.

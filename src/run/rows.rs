@@ -1,7 +1,7 @@
 //! The rows of the tables of a run. Each field is declared once, with column, unit and meaning.
 
 use crate::cosim::{Reason, Roads};
-use crate::stats::{Sums, VehicleStats};
+use crate::stats::{DriveQuality, Sums, VehicleStats};
 use crate::table::{Cell, Column, Columns, Field, Kind, Layout, record};
 use std::sync::{Arc, LazyLock};
 
@@ -41,9 +41,23 @@ impl Field for Reason {
     }
 }
 
-/// Orders rows as the file has them: by departure, then id. Vehicles finish in another order.
-pub fn sort_vehicles(rows: &mut [VehicleRow]) {
-    rows.sort_by(|a, b| a.depart.total_cmp(&b.depart).then_with(|| a.id.cmp(&b.id)));
+record! {
+    /// The drive quality of one ego, in the order of `vehicles.csv`.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct QualityRow {
+        id: String = "SUMO's id of the vehicle";
+        depart: f64 = "Time of departure, as in SUMO's tripinfo" ["s"] not_in_summary;
+        /// Its ratings.
+        quality: DriveQuality;
+    }
+}
+
+/// Orders rows as the files have them: by departure, then id. Vehicles finish in another order.
+pub fn sort_by_departure<R>(rows: &mut [R], key: impl Fn(&R) -> (f64, &str)) {
+    rows.sort_by(|a, b| {
+        let ((depart_a, id_a), (depart_b, id_b)) = (key(a), key(b));
+        depart_a.total_cmp(&depart_b).then_with(|| id_a.cmp(id_b))
+    });
 }
 
 record! {
@@ -114,6 +128,11 @@ pub fn edge_rows(roads: &Roads) -> Vec<EdgeRow> {
 /// `vehicles.csv`.
 pub static VEHICLES: LazyLock<Layout<VehicleRow>> = LazyLock::new(|| {
     Layout::of_record(["vehicles", "vehicle"], "One row per ego that departed, ordered by departure, then id")
+});
+
+/// `quality.csv`.
+pub static QUALITY: LazyLock<Layout<QualityRow>> = LazyLock::new(|| {
+    Layout::of_record(["quality", "vehicle"], "The drive quality of the egos, a row for each of vehicles.csv")
 });
 
 /// `trace.csv`.

@@ -1,6 +1,6 @@
 //! `schema.json`: every file of a result, and what its columns mean.
 
-use super::rows::{EDGES, SAMPLE, TRACE, VEHICLES};
+use super::rows::{EDGES, QUALITY, SAMPLE, TRACE, VEHICLES};
 use super::summary::summary_fields;
 use crate::table::{Column, Shape};
 use serde::Serialize;
@@ -51,10 +51,12 @@ impl Schema {
     /// The files of a run whose table of vehicles has this name, and whose trace, if it has one, has that.
     pub fn of_run(vehicles: &str, trace: Option<&str>) -> Self {
         let file = FileSchema::of_file;
-        let summary = "The whole fleet: counts, SUMO's totals, mean and quantiles of the columns of vehicles";
+        let summary =
+            "The whole fleet: counts, SUMO's totals, mean and quantiles of the columns of vehicles and quality";
         let manifest = "What was run and how it ended: versions, seed, hashes of all inputs, the resolved scenario";
         let files = [
             (vehicles, FileSchema::of_table(&VEHICLES.shape)),
+            ("quality.csv", FileSchema::of_table(&QUALITY.shape)),
             ("edges.csv", FileSchema::of_table(&EDGES.shape)),
             ("sample.csv", FileSchema::of_table(&SAMPLE.shape)),
             ("summary.json", file(summary, summary_fields())),

@@ -1,6 +1,6 @@
 //! `summary.json` and the words that a run ends with.
 
-use super::rows::{VEHICLES, VehicleRow};
+use super::rows::{QUALITY, QualityRow, VEHICLES, VehicleRow};
 use super::spread::Spread;
 use crate::cosim::Reason;
 use crate::table::{Cell, Column, Kind, Layout, record};
@@ -48,7 +48,7 @@ pub struct Summary {
 impl Summary {
     /// Sums up a run; `counted` is in the order of `COUNTS`; times are the simulated and the real one.
     pub fn new(
-        rows: &[VehicleRow],
+        (rows, quality): (&[VehicleRow], &[QualityRow]),
         counted: [u64; COUNTS.len()],
         sumo: SumoTotals,
         [simulated_s, wall_s]: [f64; 2],
@@ -59,10 +59,7 @@ impl Summary {
             counts.insert(reason.as_str().to_owned(), count as u64);
         }
         counts.extend(COUNTS.iter().zip(counted).map(|((name, _), count)| ((*name).to_owned(), count)));
-        let columns = VEHICLES.values(rows).filter(|(column, _)| column.in_summary);
-        let fleet = columns
-            .filter_map(|(column, cells)| Some((column.name.clone(), Spread::of(cells.filter_map(Cell::number))?)))
-            .collect();
+        let fleet = spreads(&VEHICLES, rows).chain(spreads(&QUALITY, quality)).collect();
         let real_time_factor = (wall_s > 0.0).then(|| simulated_s / wall_s);
         Self { schema: 1, counts, sumo, fleet, wall_s, real_time_factor }
     }
@@ -73,6 +70,12 @@ impl Summary {
     }
 }
 
+/// The spreads of the columns of a table that have any.
+fn spreads<'r, R: 'static>(layout: &'r Layout<R>, rows: &'r [R]) -> impl Iterator<Item = (String, Spread)> {
+    let columns = layout.values(rows).filter(|(column, _)| column.in_summary);
+    columns.filter_map(|(column, cells)| Some((column.name.clone(), Spread::of(cells.filter_map(Cell::number))?)))
+}
+
 /// The fields of `summary.json`, as `schema.json` shows them.
 pub(super) fn summary_fields() -> Vec<Column> {
     let within = |object: &str, column: Column| Column { name: format!("{object}.{}", column.name), ..column };
@@ -80,7 +83,8 @@ pub(super) fn summary_fields() -> Vec<Column> {
     let reasons =
         Reason::ALL.map(|r| count(r.as_str(), &format!("Egos whose row ended with the reason {}", r.as_str())));
     let sumo: Layout<SumoTotals> = Layout::of_record(["sumo", "run"], "SUMO's totals");
-    let fleet = VEHICLES.shape.columns.iter().filter(|column| column.in_summary).map(|column| {
+    let columns = VEHICLES.shape.columns.iter().chain(&QUALITY.shape.columns);
+    let fleet = columns.filter(|column| column.in_summary).map(|column| {
         let meaning = format!("mean, p05, p50, p95 and max over the egos: {}", column.meaning);
         within("fleet", Column { kind: Kind::Number, meaning, ..column.clone() })
     });
@@ -144,7 +148,7 @@ mod tests {
         rows[4].reason = Reason::Running;
         rows[4].stats.clamped_steps = 7;
         let totals = SumoTotals { inserted: 6, arrived: 4, time_loss_mean_s: Some(12.5), collisions: 1, teleports: 2 };
-        let summary = Summary::new(&rows, [0; 4], totals, [600.0, 20.0]);
+        let summary = Summary::new((&rows, &[]), [0; 4], totals, [600.0, 20.0]);
         (rows, summary)
     }
 
@@ -193,7 +197,7 @@ mod tests {
 
     #[test]
     fn a_run_without_egos_still_has_an_end() {
-        let summary = Summary::new(&[], [0; 4], SumoTotals::default(), [0.0; 2]);
+        let summary = Summary::new((&[], &[]), [0; 4], SumoTotals::default(), [0.0; 2]);
         let text = terminal_text(&summary, &[], Path::new("out"), &[]);
         assert!(text.starts_with("vehicles       0\n") && text.contains("no samples"), "{text}");
     }

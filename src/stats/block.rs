@@ -86,7 +86,7 @@ impl StatsBlock {
             error_max_abs: sampled(self.error_max_abs[slot]),
             overshoot_max: sampled(self.overshoot.max_mps[slot]),
             speed_gap_rms: some(steps, (self.gap_squared[slot] / steps).sqrt()),
-            jerk_rms: some(window.jerks[slot], (window.jerk_squared[slot] / window.jerks[slot]).sqrt()),
+            jerk_rms: window.jerk_rms(slot),
             accel_max: some(window.closed[slot], window.accel_max[slot]),
             decel_max: some(window.closed[slot], window.decel_max[slot]),
             torque_rms: sampled((self.torque_squared[slot] / n).sqrt()),

@@ -6,6 +6,9 @@ use crate::lanes::{LANES, Lanes};
 /// Length over which accelerations are averaged \[s\].
 pub const WINDOW_S: f64 = 0.5;
 
+/// A jerk above this is uncomfortable [m/s³] (Martin and Litwhiler 2008, for passengers who stand).
+pub const HIGH_JERK_MPS3: f64 = 2.0;
+
 /// Control periods of one window.
 fn periods(period_s: f64) -> f64 {
     (WINDOW_S / period_s).round().max(1.0)
@@ -35,11 +38,23 @@ columns! {
             /// Pairs of neighbouring windows.
             pub jerks: f64 = 0.0,
             pub jerk_squared: f64 = 0.0,
+            /// Pairs with a jerk above [`HIGH_JERK_MPS3`].
+            pub high_jerks: f64 = 0.0,
         }
     }
 }
 
 impl Window {
+    /// RMS of the jerk between neighbouring windows [m/s³].
+    pub fn jerk_rms(&self, slot: usize) -> Option<f64> {
+        (self.jerks[slot] > 0.0).then(|| (self.jerk_squared[slot] / self.jerks[slot]).sqrt())
+    }
+
+    /// Share of the jerks above [`HIGH_JERK_MPS3`].
+    pub fn high_jerk_share(&self, slot: usize) -> Option<f64> {
+        (self.jerks[slot] > 0.0).then(|| self.high_jerks[slot] / self.jerks[slot])
+    }
+
     /// Begins a window at `speed_mps`; what was before it is no neighbour.
     pub fn rejoin(&mut self, slot: usize, speed_mps: f64) {
         self.elapsed[slot] = 0.0;
@@ -69,6 +84,7 @@ impl Window {
             let pairs = closes & (self.has_previous[i] > 0.0);
             self.jerk_squared[i] += if pairs { jerk * jerk } else { 0.0 };
             self.jerks[i] += if pairs { 1.0 } else { 0.0 };
+            self.high_jerks[i] += if pairs & (jerk.abs() > HIGH_JERK_MPS3) { 1.0 } else { 0.0 };
             self.accel_max[i] = if closes { self.accel_max[i].max(accel) } else { self.accel_max[i] };
             self.decel_max[i] = if closes { self.decel_max[i].max(-accel) } else { self.decel_max[i] };
             self.closed[i] += if closes { 1.0 } else { 0.0 };

@@ -72,7 +72,7 @@ fn other_tables_have_the_columns_that_were_promised() {
 #[test]
 fn rows_are_ordered_by_departure_then_id() {
     let mut rows = vec![vehicle("b", 2.0), vehicle("c", 1.0), vehicle("a", 2.0), vehicle("d", 10.0)];
-    sort_vehicles(&mut rows);
+    sort_by_departure(&mut rows, |row| (row.depart, &row.id));
     assert_eq!(rows.iter().map(|r| r.id.as_str()).collect::<String>(), "cabd");
 }
 
