@@ -38,6 +38,12 @@ impl Column {
     }
 }
 
+impl<T: Slots> Slots for Option<Box<T>> {
+    fn clear(&mut self, slot: usize) {
+        self.iter_mut().for_each(|columns| columns.clear(slot));
+    }
+}
+
 impl Slots for Column {
     fn clear(&mut self, slot: usize) {
         self.values[slot] = self.first;

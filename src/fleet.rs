@@ -60,6 +60,7 @@ struct Group {
 /// All vehicles with a body.
 pub struct Fleet {
     config: LoopConfig,
+    rated: bool,
     groups: Vec<Group>,
     blocks: Vec<Block>,
     stopwatch: Stopwatch<1>,
@@ -80,7 +81,13 @@ impl Fleet {
     /// An empty fleet.
     pub fn new(config: LoopConfig, groups: Vec<GroupSetup>) -> Self {
         let groups = groups.into_iter().map(|setup| Group { setup, free: Vec::new() }).collect();
-        Self { config, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
+        Self { config, rated: false, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
+    }
+
+    /// The same fleet; the drive quality of vehicles that are admitted from now on is kept.
+    #[must_use]
+    pub fn rated(self, rated: bool) -> Self {
+        Self { rated, ..self }
     }
 
     /// From now on notes where its time goes, [`Fleet::time_spent`].
@@ -121,7 +128,8 @@ impl Fleet {
     fn grow(&mut self, group: usize) {
         let index = self.blocks.len();
         let setup = &self.groups[group].setup;
-        self.blocks.push(Block::new(group, (setup.controller)(), self.config.period_s, setup.dead_time_max_s));
+        let (period_s, dead_time_max_s) = (self.config.period_s, setup.dead_time_max_s);
+        self.blocks.push(Block::new(group, (setup.controller)(), period_s, dead_time_max_s, self.rated));
         self.blocks[index].stopwatch = Stopwatch::new(self.stopwatch.is_on());
         self.groups[group].free.extend((0..LANES).rev().map(|lane| Slot::new(index, lane)));
     }

@@ -27,7 +27,7 @@ mod window;
 
 pub use block::StatsBlock;
 pub use overshoot::RISE_MPS;
-pub use quality::{DriveQuality, Motion, QualityBlock, RoadLoad};
+pub use quality::{DriveQuality, QualityBlock, RoadLoad};
 pub use sample::{Sample, StepSample};
 pub use vehicle::{Sums, VehicleStats};
 pub use window::WINDOW_S;

@@ -5,6 +5,7 @@
 
 mod arguments;
 mod configuration;
+mod conflicts;
 mod demand;
 mod equipped;
 mod error;
@@ -23,6 +24,7 @@ mod xml;
 
 pub(crate) use arguments::ours;
 pub use arguments::{SumoCommand, sumo_arguments};
+pub use conflicts::Conflicts;
 pub(crate) use demand::{Demand, LeftOpen, Param};
 pub use equipped::Equipped;
 pub use error::SumoFileError;
@@ -32,5 +34,5 @@ pub(crate) use path::{absolute, environment};
 pub use settings::as_configured;
 pub use setup::{Source, SumoSetup};
 pub use statistics::SumoStatistics;
-pub use tripinfo::{TripInfo, Trips};
+pub use tripinfo::{EMISSIONS, TripInfo, Trips};
 pub(crate) use xml::is_xml;

@@ -106,6 +106,7 @@ macro_rules! values {
 
 values! {
     String: Text = |text| Cell::Text(Some(text));
+    Option<String>: Text = |text| Cell::Text(text.as_deref());
     &'static str: Text = |text| Cell::Text(Some(text));
     Arc<str>: Text = |text| Cell::Text(Some(text));
     u64: Count = |count| Cell::Count(*count);
@@ -210,6 +211,16 @@ impl<R: 'static> Layout<R> {
     /// The values of a row, in the order of the columns.
     pub fn cells<'r>(&self, row: &'r R) -> impl Iterator<Item = Cell<'r>> {
         self.reads.iter().map(move |read| read(row))
+    }
+
+    /// The value of a row in a column.
+    pub fn cell<'r>(&self, row: &'r R, column: usize) -> Cell<'r> {
+        (self.reads[column])(row)
+    }
+
+    /// The place of a column.
+    pub fn place(&self, column: &str) -> Option<usize> {
+        self.shape.columns.iter().position(|c| c.name == column)
     }
 
     /// The columns, each with its values in `rows`.

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use serde_json::Value;
 use sumo_mfc::run::{FileSchema, Schema};
-use sumo_mfc::study::{case_layout, comparison_layout};
+use sumo_mfc::study::{case_layout, comparison_layout, joined_layout};
 
 /// The tables in the order of the page.
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     "vehicles.csv",
     "quality.csv",
     "trace.csv",
@@ -18,12 +18,14 @@ const FILES: [&str; 8] = [
     "summary.json",
     "cases.csv",
     "comparison.csv",
+    "vehicles.parquet",
 ];
 
 fn page() -> String {
-    let run = serde_json::to_value(Schema::of_run("vehicles.csv", Some("trace.csv"))).unwrap();
+    let run = serde_json::to_value(Schema::of_run("vehicles.csv", true, Some("trace.csv"))).unwrap();
     let study = Schema::new([
         ("cases.csv", FileSchema::of_table(&case_layout(&[]).shape)),
+        ("vehicles.parquet", FileSchema::of_table(&joined_layout(&[]).shape)),
         ("comparison.csv", FileSchema::of_table(&comparison_layout(&[]).shape)),
     ]);
     let study = serde_json::to_value(study).unwrap();

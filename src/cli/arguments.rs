@@ -85,6 +85,9 @@ pub struct ScenarioArgs {
     /// Name of the trace; .csv, .parquet or .xml chooses the format
     #[arg(long, value_name = "NAME")]
     trace_output: Option<String>,
+    /// SUMO measures the conflicts of all vehicles: TTC, DRAC, PET (sumo/ssm.xml)
+    #[arg(long)]
+    safety: bool,
     /// Start sumo-gui
     #[arg(long)]
     gui: bool,
@@ -296,6 +299,9 @@ impl ScenarioArgs {
             ("--num-clients", "sumo.num_clients", &self.num_clients),
         ];
         overrides.extend(numbers.iter().filter_map(|(flag, path, v)| Some(Override::literal(flag, path, v.as_ref()?))));
+        if self.safety {
+            overrides.push(Override::literal("--safety", "sumo.safety", true));
+        }
         if self.gui {
             overrides.push(Override::literal("--gui", "sumo.gui", true));
         }

@@ -15,6 +15,8 @@ pub struct WorldSetup {
     pub blocks: Vec<GroupSetup>,
     /// Plant, control period, bound of the reference.
     pub loop_config: LoopConfig,
+    /// The drive quality of egos is kept.
+    pub quality: bool,
     /// Bodies feel the slope of SUMO's road.
     pub grade: bool,
     /// Bodies feel the friction of SUMO's lanes.

@@ -96,7 +96,7 @@ impl<S: Sumo> World<S> {
         admission.wait(joined.present);
         Ok(Self {
             sumo,
-            fleet: Fleet::new(setup.loop_config, setup.blocks),
+            fleet: Fleet::new(setup.loop_config, setup.blocks).rated(setup.quality),
             egos: EgoTable::default(),
             events: Events { time_s: joined.time_s, expected: joined.expected, ..Events::default() },
             admission,

@@ -11,7 +11,7 @@ use crate::control::{Actuation, Command, Controller, Observation};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
 use crate::plant::{Actuators, Body, Inputs, PlantBlock, State};
-use crate::stats::{DriveQuality, Motion, QualityBlock, Sample, StatsBlock, StepSample, Sums, VehicleStats};
+use crate::stats::{DriveQuality, QualityBlock, Sample, StatsBlock, StepSample, Sums, VehicleStats};
 use crate::stopwatch::Stopwatch;
 
 /// Slower than this and wanted at rest: the brake holds and all states are exactly 0 [m/s].
@@ -35,8 +35,8 @@ struct Demand {
 
 columns! {
     /// One block of a group: `controller`, if there is one, drives its vehicles with control periods of `period_s` and dead times up to
-    /// `dead_time_max_s`.
-    pub struct Block(group: usize, controller: Option<Box<dyn Controller>>, period_s: f64, dead_time_max_s: f64) {
+    /// `dead_time_max_s`. Their drive quality is kept if it is `rated`.
+    pub struct Block(group: usize, controller: Option<Box<dyn Controller>>, period_s: f64, dead_time_max_s: f64, rated: bool) {
         shared {
             group: usize = group,
             command: Command = Command::default(),
@@ -56,7 +56,7 @@ columns! {
             /// How each slot is steered.
             pub steering: Steering = Steering::default(),
             stats: StatsBlock = StatsBlock::new(period_s),
-            quality: QualityBlock = QualityBlock::new(period_s),
+            quality: Option<Box<QualityBlock>> = rated.then(|| Box::new(QualityBlock::new(period_s))),
         }
         columns {
             nominal_nm_per_mps2: f64 = 1.0,
@@ -108,7 +108,7 @@ impl Block {
         self.tyre_friction[slot] = body.friction;
         self.steering.set(slot, body.wheelbase_m(), body.understeer_gradient(), least(body.friction));
         self.plant.set_body(slot, body);
-        self.quality.set_load(slot, &road_load(body));
+        self.quality.iter_mut().for_each(|quality| quality.set_load(slot, &road_load(body)));
         if self.controller.is_some() {
             self.driver.set_limits(slot, self.acceleration_limits_mps2(slot));
         }
@@ -129,7 +129,7 @@ impl Block {
     pub fn appear(&mut self, slot: usize, speed_mps: f64) {
         self.present[slot] = 1.0;
         self.stats.rejoin(slot, speed_mps);
-        self.quality.rejoin(slot, speed_mps);
+        self.quality.iter_mut().for_each(|quality| quality.rejoin(slot, speed_mps));
         self.held[slot] = 0.0;
         self.target_mps[slot] = speed_mps;
         self.driver.appear(slot, speed_mps);
@@ -311,9 +311,9 @@ impl Block {
         self.stats.read(slot)
     }
 
-    /// What the drive quality of a slot is so far.
+    /// What the drive quality of a slot is so far, if it is kept.
     pub fn quality(&self, slot: usize) -> DriveQuality {
-        self.quality.read(slot)
+        self.quality.as_ref().map_or_else(DriveQuality::default, |quality| quality.read(slot))
     }
 
     /// One SUMO step: `periods` control periods along the reference.
@@ -419,12 +419,9 @@ impl Block {
             torque_nm: self.inputs.torque_nm,
             active: self.present,
         });
-        self.quality.sample(&Motion {
-            speed_mps: &speed_mps,
-            torque_nm: &self.inputs.torque_nm,
-            wheel_speed_radps: &self.plant.wheel_speed_radps,
-            active: &self.present,
-        });
+        if let Some(quality) = &mut self.quality {
+            quality.sample(&speed_mps, &self.inputs.torque_nm, &self.plant.wheel_speed_radps, &self.present);
+        }
         self.stopwatch.lap(STATISTICS);
     }
 
@@ -493,6 +490,8 @@ impl Block {
             bound_clamp: bound(Bound::Clamp),
             active: self.present,
         });
-        self.quality.step(&speed_mps, &self.sumo_mps, self.periods, &self.present);
+        if let Some(quality) = &mut self.quality {
+            quality.step(&speed_mps, &self.sumo_mps, self.periods, &self.present);
+        }
     }
 }

@@ -30,7 +30,7 @@ impl Recorder {
             _ => Some(Table::create(&dir.file(&output.trace_file), &TRACE)?),
         };
         let trace_file = trace.is_some().then_some(output.trace_file.as_str());
-        dir.write(SCHEMA, &Schema::of_run(&output.vehicles, trace_file))?;
+        dir.write(SCHEMA, &Schema::of_run(&output.vehicles, output.quality, trace_file))?;
         let sampler = Sampler::create(&dir.file("sample.csv"), scenario.sumo.seed, SAMPLED)?;
         Ok(Self { trace, sampler, sample_every: steps(1.0), step: 0 })
     }
@@ -62,11 +62,14 @@ impl Recorder {
         sort_by_departure(&mut outcome.rows, |row| (row.depart, &row.id));
         sort_by_departure(&mut outcome.quality, |row| (row.depart, &row.id));
         let vehicles = write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows);
-        let quality = write_table(&dir.file("quality.csv"), &QUALITY, &outcome.quality);
+        let quality = match scenario.output.quality {
+            true => write_table(&dir.file("quality.csv"), &QUALITY, &outcome.quality).map(drop),
+            false => Ok(()),
+        };
         let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges);
         let trace = self.trace.map_or(Ok(()), |trace| trace.finish().map(drop));
         let sample = self.sampler.finish().map(drop);
-        vehicles.map(drop).and(quality.map(drop)).and(edges.map(drop)).and(trace).and(sample)?;
+        vehicles.map(drop).and(quality).and(edges.map(drop)).and(trace).and(sample)?;
         Ok(())
     }
 }

@@ -48,21 +48,23 @@ impl Schema {
         Self { schema: 1, files }
     }
 
-    /// The files of a run whose table of vehicles has this name, and whose trace, if it has one, has that.
-    pub fn of_run(vehicles: &str, trace: Option<&str>) -> Self {
+    /// The files of a run whose table of vehicles has this name, and whose trace, if it has one, has that; with or without
+    /// drive quality.
+    pub fn of_run(vehicles: &str, quality: bool, trace: Option<&str>) -> Self {
         let file = FileSchema::of_file;
         let summary =
             "The whole fleet: counts, SUMO's totals, mean and quantiles of the columns of vehicles and quality";
         let manifest = "What was run and how it ended: versions, seed, hashes of all inputs, the resolved scenario";
         let files = [
             (vehicles, FileSchema::of_table(&VEHICLES.shape)),
-            ("quality.csv", FileSchema::of_table(&QUALITY.shape)),
             ("edges.csv", FileSchema::of_table(&EDGES.shape)),
             ("sample.csv", FileSchema::of_table(&SAMPLE.shape)),
             ("summary.json", file(summary, summary_fields())),
             ("run.json", file(manifest, Vec::new())),
             ("sumo/", file("SUMO's log, and the outputs that its configuration names", Vec::new())),
         ];
-        Self::new(files.into_iter().chain(trace.map(|name| (name, FileSchema::of_table(&TRACE.shape)))))
+        let quality = quality.then(|| ("quality.csv", FileSchema::of_table(&QUALITY.shape)));
+        let trace = trace.map(|name| (name, FileSchema::of_table(&TRACE.shape)));
+        Self::new(files.into_iter().chain(quality).chain(trace))
     }
 }

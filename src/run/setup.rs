@@ -23,6 +23,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         blocks: groups.iter().map(|group| scenario.blocks(group)).collect(),
         loop_config: scenario.loop_config(),
         grade: scenario.coupling.grade,
+        quality: scenario.output.quality,
         friction: scenario.coupling.friction,
         sigma: scenario.traffic.sigma,
         trace: (scenario.output.trace.clone(), scenario.output.trace_period_s),

@@ -68,6 +68,8 @@ keys! {
     pub struct Output {
         /// table of vehicles: .csv, .parquet or .xml
         vehicles: String = "vehicles.csv", form table_name;
+        /// drive quality, comfort and work of every vehicle, in quality.csv
+        quality: bool = true;
         /// none, all or vehicle ids separated by commas
         trace: Trace = Trace::None;
         /// time between rows of the trace, whole steps or control periods; not set = SUMO's step

@@ -43,8 +43,9 @@ impl Comfort {
             acceleration_mps2[i] = if on[i] { (speed_mps[i] - self.previous_mps[i]) * rate_hz } else { 0.0 };
             self.previous_mps[i] = if on[i] { speed_mps[i] } else { self.previous_mps[i] };
         }
-        let driving = self.driving.weigh(&acceleration_mps2, &on);
-        let sickness = self.sickness.weigh(&acceleration_mps2, &on);
+        // Who is not on the road is not accelerated, and forgets.
+        let driving = self.driving.weigh(&acceleration_mps2);
+        let sickness = self.sickness.weigh(&acceleration_mps2);
         for i in 0..LANES {
             self.samples[i] += if on[i] { 1.0 } else { 0.0 };
             self.driving_squared[i] += if on[i] { driving[i] * driving[i] } else { 0.0 };

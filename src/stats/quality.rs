@@ -52,18 +52,6 @@ pub struct RoadLoad {
     pub brake_front_share: f64,
 }
 
-/// The end of one control period of a block.
-pub struct Motion<'a> {
-    /// True speed V_x [m/s].
-    pub speed_mps: &'a Lanes,
-    /// Torque applied, sum over the wheels, positive drives [N·m].
-    pub torque_nm: &'a Lanes,
-    /// Wheel speeds ω, as of the plant [rad/s].
-    pub wheel_speed_radps: &'a [Lanes; 4],
-    /// 1 where a vehicle drove.
-    pub active: &'a Lanes,
-}
-
 columns! {
     /// The running sums of a block with control periods of `period_s` \[s\].
     #[derive(Debug, Clone)]
@@ -110,9 +98,10 @@ impl QualityBlock {
         self.asked.rejoin(slot, speed_mps);
     }
 
-    /// Takes the end of a control period.
-    pub fn sample(&mut self, motion: &Motion<'_>) {
-        sample_end(self, motion);
+    /// Takes the end of a control period: V_x [m/s], the torque applied, sum over the wheels [N·m], and the wheels' speeds,
+    /// as of the plant [rad/s].
+    pub fn sample(&mut self, speed_mps: &Lanes, torque_nm: &Lanes, wheels_radps: &[Lanes; 4], active: &Lanes) {
+        sample_end(self, speed_mps, torque_nm, wheels_radps, active);
     }
 
     /// Takes the end of a SUMO step of so many control periods, of which both ends are known: V_x and v* [m/s].
@@ -160,10 +149,16 @@ impl QualityBlock {
 
 vectorised! {
     /// The end of a control period.
-    fn sample_end(block: &mut QualityBlock, motion: &Motion<'_>) {
-        let [front_left, front_right, rear_left, rear_right] = motion.wheel_speed_radps;
+    fn sample_end(
+        block: &mut QualityBlock,
+        speed_mps: &Lanes,
+        torque_nm: &Lanes,
+        wheels_radps: &[Lanes; 4],
+        active: &Lanes
+    ) {
+        let [front_left, front_right, rear_left, rear_right] = wheels_radps;
         for i in 0..LANES {
-            let torque_nm = if motion.active[i] > 0.0 { motion.torque_nm[i] } else { 0.0 };
+            let torque_nm = if active[i] > 0.0 { torque_nm[i] } else { 0.0 };
             let share = if torque_nm > 0.0 { block.drive_front_share[i] } else { block.brake_front_share[i] };
             let front_radps = 0.5 * (front_left[i] + front_right[i]);
             let rear_radps = 0.5 * (rear_left[i] + rear_right[i]);
@@ -171,7 +166,7 @@ vectorised! {
             block.tractive_j[i] += work_j.max(0.0);
             block.braking_j[i] += (-work_j).max(0.0);
         }
-        block.felt.sample(motion.speed_mps, motion.active);
+        block.felt.sample(speed_mps, active);
     }
 }
 
@@ -277,13 +272,7 @@ mod tests {
         for torque in [400.0, -400.0] {
             // Then the slot is not active and does no work, whatever stands in it.
             for (count, torque_nm, active) in [(100, [torque; LANES], ACTIVE), (1, [f64::NAN; LANES], [0.0; LANES])] {
-                let motion = Motion {
-                    speed_mps: &[10.0; LANES],
-                    torque_nm: &torque_nm,
-                    wheel_speed_radps: &wheels,
-                    active: &active,
-                };
-                (0..count).for_each(|_| block.sample(&motion));
+                (0..count).for_each(|_| block.sample(&[10.0; LANES], &torque_nm, &wheels, &active));
             }
         }
         block.step(&[10.0; LANES], &[10.0; LANES], 100, &ACTIVE);

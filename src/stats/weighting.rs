@@ -71,17 +71,15 @@ impl<const N: usize> Weighting<N> {
         Self { sections, memory: [[[0.0; LANES]; 2]; N] }
     }
 
-    /// The weighted value of one that is new, in every slot for which `on`.
+    /// The weighted values of new ones, which are finite in every slot.
     #[inline(always)]
-    pub fn weigh(&mut self, value: &Lanes, on: &[bool; LANES]) -> Lanes {
-        let mut x = *value;
+    pub fn weigh(&mut self, values: &Lanes) -> Lanes {
+        let mut x = *values;
         for (Section { b, a }, [first, second]) in self.sections.iter().zip(&mut self.memory) {
             for i in 0..LANES {
                 let y = b[0] * x[i] + first[i];
-                let next_first = b[1] * x[i] - a[0] * y + second[i];
-                let next_second = b[2] * x[i] - a[1] * y;
-                first[i] = if on[i] { next_first } else { first[i] };
-                second[i] = if on[i] { next_second } else { second[i] };
+                first[i] = b[1] * x[i] - a[0] * y + second[i];
+                second[i] = b[2] * x[i] - a[1] * y;
                 x[i] = y;
             }
         }
@@ -118,7 +116,7 @@ mod tests {
         let mut squared = 0.0;
         for k in 0..settle + measured {
             let x = (2.0 * PI * frequency_hz * PERIOD_S * k as f64).sin();
-            let y = weighting.weigh(&[x; LANES], &[true; LANES])[0];
+            let y = weighting.weigh(&[x; LANES])[0];
             squared += if k < settle { 0.0 } else { y * y };
         }
         (2.0 * squared / measured as f64).sqrt()
@@ -135,15 +133,5 @@ mod tests {
             let got = 1000.0 * gain(Weighting::sickness(PERIOD_S), frequency_hz);
             assert!((got - wanted).abs() < 0.02 * wanted, "W_f at {frequency_hz} Hz: {got} instead of {wanted}");
         }
-    }
-
-    #[test]
-    fn a_slot_that_is_off_keeps_its_memory() {
-        let mut weighting = Weighting::driving(PERIOD_S);
-        let mut on = [true; LANES];
-        weighting.weigh(&[1.0; LANES], &on);
-        on[3] = false;
-        weighting.weigh(&[f64::NAN; LANES], &on);
-        assert!(weighting.memory.as_flattened().iter().all(|column| column[3].is_finite() && column[4].is_nan()));
     }
 }

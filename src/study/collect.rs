@@ -3,6 +3,7 @@
 use super::case::State;
 use super::comparison::{ComparisonRow, Samples, compare, comparison_layout, key_columns};
 use super::error::StudyError;
+use super::joined::{JOINED, JoinedTable, joined_layout};
 use super::metrics::{METRIC_COUNT, METRICS};
 use super::plan::{Case, Plan};
 use super::result::CaseResult;
@@ -36,7 +37,7 @@ pub fn case_layout(keys: &[String]) -> Layout<CaseRow> {
     columns.extend(CaseHead::columns(Column::new("", Kind::Number, None, ""), |row: &CaseRow| &row.head));
     for (k, metric) in METRICS.iter().enumerate() {
         let unit = Some(metric.unit).filter(|unit| !unit.is_empty());
-        let column = Column::new(metric.name, Kind::Number, unit, metric.title);
+        let column = Column::new(metric.name, Kind::Number, unit, metric.meaning);
         columns.push((column, Box::new(move |row: &CaseRow| Cell::Number(row.metrics[k]))));
     }
     Layout::new(["cases", "case"], "One row per case, seed by seed, after a column per varied key", columns)
@@ -53,12 +54,14 @@ pub struct Tables {
     pub counts: [usize; 3],
 }
 
-/// Reads all cases. At any time only the vehicles of one seed are in memory.
+/// Reads all cases, and writes `vehicles.parquet` meanwhile. At any time only the vehicles of one seed are in memory.
 ///
 /// # Errors
-/// [`StudyError::Output`] naming the file of a whole result that cannot be read.
+/// [`StudyError::Output`] naming the file of a whole result that cannot be read, or that cannot be written.
 pub fn collect(plan: &Plan) -> Result<Tables, StudyError> {
     let mut tables = Tables { cases: Vec::with_capacity(plan.cases.len()), comparison: Vec::new(), counts: [0; 3] };
+    let layout = joined_layout(&plan.keys);
+    let mut joined = JoinedTable::create(&plan.dir, &layout)?;
     let mut samples: Vec<[Samples; METRIC_COUNT]> = vec![Default::default(); plan.settings.len()];
     for of_seed in plan.cases.chunks(plan.settings.len()) {
         let read = of_seed.par_iter().map(|case| CaseResult::read(plan, case));
@@ -72,7 +75,11 @@ pub fn collect(plan: &Plan) -> Result<Tables, StudyError> {
             }
             tables.add(plan, case, result);
         }
+        for (case, result) in of_seed.iter().zip(results) {
+            joined.add(plan, case, result.vehicles)?;
+        }
     }
+    joined.finish()?;
     tables.comparison = compare(plan, &samples);
     Ok(tables)
 }
@@ -103,6 +110,7 @@ impl Tables {
         let schema = Schema::new([
             ("cases.csv", FileSchema::of_table(&cases.shape)),
             ("comparison.csv", FileSchema::of_table(&comparison.shape)),
+            (JOINED, FileSchema::of_table(&joined_layout(&plan.keys).shape)),
             ("study.json", FileSchema::of_file(study, Vec::new())),
             ("cases/", FileSchema::of_file("The result folder of every case", Vec::new())),
         ]);

@@ -7,7 +7,7 @@ use super::plan::{Case, Plan};
 use super::vehicles::Vehicles;
 use crate::output::file_error;
 use crate::run::{MANIFEST, Manifest, Summary};
-use crate::sumo_files::Trips;
+use crate::sumo_files::{Conflicts, Trips};
 use std::path::{Path, PathBuf};
 
 /// What a case came to.
@@ -37,16 +37,25 @@ impl CaseResult {
         let summary: Summary = serde_json::from_str(&text).map_err(|error| file_error("read", &path)(error.into()))?;
         let manifest = Manifest::read(&dir.join(MANIFEST))?;
         // A run whose tripinfo cannot be read has said so; its time losses are missing.
-        let trips = tripinfo(&dir, &manifest.sumo_command).and_then(|path| Trips::read(&path).ok()).unwrap_or_default();
-        let vehicles = Vehicles::read(&dir.join(&setting.scenario.output.vehicles), &trips)?;
-        let totals = Totals { summary, time_loss_mean_s: vehicles.time_loss_mean_s() };
-        let values = METRICS.each_ref().map(|metric| (metric.read)(&totals).filter(|value| value.is_finite()));
+        let named = |option| written(&dir, &manifest.sumo_command, option);
+        let trips = named("--tripinfo-output").and_then(|path| Trips::read(&path).ok()).unwrap_or_default();
+        let mut vehicles = Vehicles::of_trips(&trips);
+        vehicles.take_table(&dir.join(&setting.scenario.output.vehicles))?;
+        if setting.scenario.output.quality {
+            vehicles.take_table(&dir.join("quality.csv"))?;
+        }
+        let conflicts = named("--device.ssm.file").filter(|_| setting.scenario.sumo.safety);
+        if let Some(conflicts) = conflicts.and_then(|path| Conflicts::read(&path).ok()) {
+            vehicles.take_conflicts(&conflicts);
+        }
+        let totals = Totals { summary: &summary, vehicles: &vehicles };
+        let values = METRICS.each_ref().map(|metric| (metric.read)(totals).filter(|value| value.is_finite()));
         Ok(Self { state, values, vehicles })
     }
 }
 
-/// SUMO's tripinfo, which may have been written where the folder was elsewhere.
-fn tripinfo(dir: &Path, command: &[String]) -> Option<PathBuf> {
-    let option = command.iter().rposition(|word| word == "--tripinfo-output")?;
+/// The file of an option of SUMO, which may have been written where the folder was elsewhere.
+fn written(dir: &Path, command: &[String], option: &str) -> Option<PathBuf> {
+    let option = command.iter().rposition(|word| word == option)?;
     Some(dir.join("sumo").join(Path::new(command.get(option + 1)?).file_name()?))
 }

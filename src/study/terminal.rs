@@ -41,7 +41,8 @@ pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> 
         table.load_style(presets::UTF8_FULL_CONDENSED);
         let head = settings.iter().map(|rows| rows[0].values.join("\n"));
         table.set_header([keys.join("\n")].into_iter().chain(head));
-        for (k, metric) in METRICS.iter().enumerate() {
+        let measured = |k: usize| settings.iter().any(|rows| rows[k].compared.mean.is_some());
+        for (k, metric) in METRICS.iter().enumerate().filter(|(k, m)| !m.title.is_empty() && measured(*k)) {
             let unit = if metric.unit.is_empty() { String::new() } else { format!(" [{}]", metric.unit) };
             let title = format!("{}{unit}", metric.title);
             table.add_row([title].into_iter().chain(settings.iter().map(|rows| cell(metric, &rows[k].compared))));
@@ -77,9 +78,9 @@ mod tests {
     fn the_terminal_shows_means_differences_and_what_they_are() {
         let text = terminal_table(&["controller.name".to_owned()], 3, &rows(&[1.0, 2.0, 3.0], &[1.1, 2.2, 3.3]));
         let lines: Vec<&str> = text.lines().collect();
-        assert_eq!(lines[1], "│ controller.name           ┆           ideal ┆          classic │");
-        assert!(text.contains("│ error RMS, mean [m/s]     ┆   2.000 ± 2.484 ┆    2.200 ± 2.733 │"), "{text}");
-        assert!(text.contains("│                           ┆                 ┆   +0.200 ± 0.248 │"), "{text}");
+        assert_eq!(lines[1], "│ controller.name                   ┆           ideal ┆          classic │");
+        assert!(text.contains("│ error RMS, mean [m/s]             ┆   2.000 ± 2.484 ┆    2.200 ± 2.733 │"), "{text}");
+        assert!(text.contains("│                                   ┆                 ┆   +0.200 ± 0.248 │"), "{text}");
         assert!(lines.last().unwrap().starts_with("3 seeds."), "{text}");
     }
 

@@ -1,20 +1,18 @@
 //! The vehicles of a run, to be paired with those of another: same seed, same demand, same id.
 
 use super::metrics::{METRIC_COUNT, METRICS, TIME_LOSS};
+use super::vehicle::{OWN, Own, VEHICLE, Vehicle};
 use crate::output::{OutputError, file_error};
-use crate::sumo_files::Trips;
+use crate::sumo_files::{Conflicts, Trips};
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::LazyLock;
 
-/// A vehicle.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Vehicle {
-    arrived: bool,
-    /// As [`METRICS`].
-    values: [Option<f64>; METRIC_COUNT],
-}
+/// The place in [`VEHICLE`] of the column that each metric averages.
+static PLACES: LazyLock<[Option<usize>; METRIC_COUNT]> =
+    LazyLock::new(|| METRICS.each_ref().map(|metric| metric.column.and_then(|column| VEHICLE.place(column))));
 
-/// Vehicles by id; an id that is used again is another vehicle.
+/// The vehicles of a run, by id; an id that is used again is another vehicle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Vehicles(BTreeMap<(String, usize), Vehicle>);
 
@@ -30,49 +28,82 @@ pub struct Pairs {
 }
 
 impl Vehicles {
-    /// Reads what SUMO tells of all vehicles, and our table of the egos.
-    ///
-    /// # Errors
-    /// [`OutputError::File`] naming the table.
-    pub fn read(table: &Path, trips: &Trips) -> Result<Self, OutputError> {
+    /// Takes what SUMO tells of all vehicles.
+    pub fn of_trips(trips: &Trips) -> Self {
         let mut all = Self::default();
         for (id, trips) in &trips.by_id {
             for (again, trip) in trips.iter().enumerate() {
-                let vehicle = all.0.entry((id.clone(), again)).or_default();
+                let vehicle = all.entry(id, again);
                 vehicle.arrived = trip.arrival_s.is_some();
-                for (value, _) in vehicle.values.iter_mut().zip(&METRICS).filter(|(_, m)| m.column == Some(TIME_LOSS)) {
-                    *value = Some(trip.time_loss_s);
-                }
+                vehicle.sumo.take_trip(trip);
             }
         }
-        all.add_egos(table).map_err(|error| file_error("read", table)(error.into()))?;
-        Ok(all)
+        all
     }
 
-    fn add_egos(&mut self, table: &Path) -> Result<(), csv::Error> {
+    fn entry(&mut self, id: &str, again: usize) -> &mut Vehicle {
+        let new = || Vehicle { id: id.to_owned(), again, ..Vehicle::default() };
+        self.0.entry((id.to_owned(), again)).or_insert_with(new)
+    }
+
+    /// Takes what SUMO's devices saw: those of all vehicles if they are on at all. An id that is used again has one log, of
+    /// which nobody knows to whom it belongs.
+    pub fn take_conflicts(&mut self, conflicts: &BTreeMap<String, Conflicts>) {
+        let again: Vec<String> = self.0.keys().filter(|(_, again)| *again > 0).map(|(id, _)| id.clone()).collect();
+        for vehicle in self.0.values_mut().filter(|vehicle| !again.contains(&vehicle.id)) {
+            vehicle.sumo.take_conflicts(&conflicts.get(&vehicle.id).copied().unwrap_or_default());
+        }
+    }
+
+    /// Takes a table of egos. A second one adds its columns.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] naming the table.
+    pub fn take_table(&mut self, table: &Path) -> Result<(), OutputError> {
+        self.take_rows(table).map_err(|error| file_error("read", table)(error.into()))
+    }
+
+    fn take_rows(&mut self, table: &Path) -> Result<(), csv::Error> {
         let mut reader = csv::Reader::from_path(table)?;
         let headers = reader.headers()?.clone();
-        let place = |name: &str| headers.iter().position(|header| header == name);
-        let (id, complete) = (place("id").unwrap_or(0), place("complete"));
-        let columns = METRICS.each_ref().map(|m| m.column.and_then(place));
+        let id = headers.iter().position(|header| header == "id").unwrap_or(0);
+        let complete = headers.iter().position(|header| header == "complete");
+        let own = |header: &str| OWN.iter().position(|column| column.name == header);
+        let columns: Vec<Option<usize>> = headers.iter().map(own).collect();
         let (mut seen, mut row) = (BTreeMap::<String, usize>::new(), csv::StringRecord::new());
         while reader.read_record(&mut row)? {
-            let field = |place: Option<usize>| row.get(place?);
-            let id = row.get(id).unwrap_or_default().to_owned();
-            let again = seen.entry(id.clone()).and_modify(|n| *n += 1).or_insert(0);
-            let vehicle = self.0.entry((id, *again)).or_default();
-            vehicle.arrived |= field(complete) == Some("true");
-            for (value, column) in vehicle.values.iter_mut().zip(columns) {
-                *value = field(column).and_then(|text| text.parse().ok()).or(*value);
+            let id = row.get(id).unwrap_or_default();
+            let again = *seen.entry(id.to_owned()).and_modify(|n| *n += 1).or_insert(0);
+            let vehicle = self.entry(id, again);
+            vehicle.arrived |= complete.and_then(|complete| row.get(complete)) == Some("true");
+            let own = vehicle.own.get_or_insert_with(Own::empty);
+            for (column, value) in columns.iter().zip(&row) {
+                column.iter().for_each(|column| own.set(*column, value));
             }
         }
         Ok(())
     }
 
+    /// All vehicles, in order of their ids.
+    pub fn into_all(self) -> impl Iterator<Item = Vehicle> {
+        self.0.into_values()
+    }
+
+    /// The values of a column.
+    pub fn numbers(&self, column: &str) -> Vec<f64> {
+        let place = VEHICLE.place(column);
+        self.0.values().filter_map(|vehicle| VEHICLE.cell(vehicle, place?).number()).collect()
+    }
+
+    /// Mean of a column over the vehicles that have a value in it.
+    pub fn mean(&self, column: &str) -> Option<f64> {
+        let values = self.numbers(column);
+        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+    }
+
     /// Mean time loss of all that have one \[s\]: for egos that of our table, which is right also where bodies lead.
     pub fn time_loss_mean_s(&self) -> Option<f64> {
-        let place = METRICS.iter().position(|metric| metric.column == Some(TIME_LOSS))?;
-        let losses: Vec<f64> = self.0.values().filter_map(|vehicle| vehicle.values[place]).collect();
+        let losses: Vec<f64> = self.0.values().filter_map(time_loss_s).collect();
         (!losses.is_empty()).then(|| losses.iter().sum::<f64>() / losses.len() as f64)
     }
 
@@ -82,7 +113,7 @@ impl Vehicles {
         let own = self.0.iter().filter(|(_, vehicle)| vehicle.arrived);
         let both = own.filter_map(|(id, v)| Some((v, reference.0.get(id).filter(|other| other.arrived)?)));
         for (own, other) in both {
-            for ((pairs, own), other) in pairs.iter_mut().zip(own.values).zip(other.values) {
+            for (pairs, (own, other)) in pairs.iter_mut().zip(values(own).zip(values(other))) {
                 let (Some(own), Some(other)) = (own, other) else { continue };
                 pairs.count += 1;
                 pairs.better += u64::from(own < other);
@@ -91,6 +122,20 @@ impl Vehicles {
         }
         pairs
     }
+}
+
+/// The time loss of a vehicle \[s\].
+fn time_loss_s(vehicle: &Vehicle) -> Option<f64> {
+    let ours = VEHICLE.place(TIME_LOSS).and_then(|place| VEHICLE.cell(vehicle, place).number());
+    ours.or(vehicle.sumo.time_loss)
+}
+
+/// What the metrics average, as [`METRICS`].
+fn values(vehicle: &Vehicle) -> impl Iterator<Item = Option<f64>> {
+    PLACES.iter().zip(&METRICS).map(move |(place, metric)| match metric.column {
+        Some(TIME_LOSS) => time_loss_s(vehicle),
+        _ => place.and_then(|place| VEHICLE.cell(vehicle, place).number()),
+    })
 }
 
 #[cfg(test)]
@@ -109,7 +154,9 @@ mod tests {
         });
         let text = format!("<tripinfos>{}</tripinfos>", trips.collect::<String>());
         std::fs::write(path("trips.xml"), text).unwrap();
-        Vehicles::read(&path("vehicles.csv"), &Trips::read(&path("trips.xml")).unwrap()).unwrap()
+        let mut all = Vehicles::of_trips(&Trips::read(&path("trips.xml")).unwrap());
+        all.take_table(&path("vehicles.csv")).unwrap();
+        all
     }
 
     fn place(name: &str) -> usize {
@@ -144,7 +191,8 @@ mod tests {
     fn an_id_that_is_used_again_is_another_vehicle() {
         let table = "id,error_rms,complete\na,1,true\na,2,true\n";
         let own = read(table, &[("a", 3.0, true), ("a", 4.0, true)]);
-        assert_eq!(own.0[&("a".to_owned(), 1)].values[place("error_rms_mean")], Some(2.0));
+        let second = &own.0[&("a".to_owned(), 1)];
+        assert_eq!(values(second).nth(place("error_rms_mean")), Some(Some(2.0)));
         assert_eq!(own.pairs(&own)[place("timeloss_mean")].count, 2);
     }
 }

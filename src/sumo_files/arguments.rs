@@ -30,6 +30,14 @@ const OURS: &[(&str, &str)] = &[
     ("num-clients", "--num-clients or sumo.num_clients"),
 ];
 
+/// SUMO's SSM device in every vehicle, for the measures that are common in safety studies; thresholds are SUMO's own.
+const SAFETY: [(&str, &str); 4] = [
+    ("device.ssm.probability", "1"),
+    ("device.ssm.measures", "TTC DRAC PET"),
+    ("device.ssm.thresholds", "3.0 3.0 2.0"),
+    ("device.ssm.trajectories", "false"),
+];
+
 /// How to start SUMO, and what it will leave behind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SumoCommand {
@@ -41,6 +49,8 @@ pub struct SumoCommand {
     pub tripinfo: PathBuf,
     /// SUMO's log.
     pub log: PathBuf,
+    /// The log of SUMO's SSM devices, where vehicles have them.
+    pub conflicts: PathBuf,
 }
 
 /// Builds SUMO's command line. What the configuration or its additional files would write elsewhere goes to `out_dir`/sumo,
@@ -86,6 +96,9 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     if setup.contacts == Some(true) && settings.value("collision.mingap-factor").is_none() {
         line.push("collision.mingap-factor", "0");
     }
+    if setup.safety {
+        SAFETY.iter().for_each(|(option, value)| line.push(option, value));
+    }
     line.push("no-step-log", "true");
     if setup.gui {
         line.push("start", "true");
@@ -102,14 +115,14 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     let statistics = ours("statistic-output", "statistics.xml");
     let log = ours("log", "sumo.log");
     // Vehicles may bring this device along in their parameters; without a name its file lands beside the configuration.
-    ours("device.ssm.file", "ssm.xml");
+    let conflicts = ours("device.ssm.file", "ssm.xml");
     let tripinfo = ours("tripinfo-output", "tripinfo.xml");
     if !outputs.contains_key("tripinfo-output") {
         line.push("tripinfo-output.write-unfinished", "true");
     }
     let mut arguments = line.arguments;
     arguments.extend(options);
-    Ok(SumoCommand { arguments, statistics, tripinfo, log })
+    Ok(SumoCommand { arguments, statistics, tripinfo, log, conflicts })
 }
 
 /// Redirects what a configuration writes. Returns where its outputs go, by option.

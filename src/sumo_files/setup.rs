@@ -25,6 +25,8 @@ keys! {
         ballistic: bool = true;
         /// only vehicles that touch collide (collision.mingap-factor 0); not set = where any ego has a body
         contacts: Option<bool>;
+        /// SUMO measures conflicts of all vehicles (its SSM device: TTC, DRAC, PET)
+        safety: bool = false;
         /// further options of SUMO
         options: Vec<String>;
         /// start sumo-gui instead of sumo

@@ -23,7 +23,20 @@ pub struct TripInfo {
     pub time_loss_s: f64,
     /// Length driven \[m\].
     pub route_length_m: f64,
+    /// Time slower than 0.1 m/s \[s\].
+    pub waiting_time_s: Option<f64>,
+    /// How often it became slower than 0.1 m/s.
+    pub waiting_count: Option<f64>,
+    /// Time at planned stops \[s\].
+    pub stop_time_s: Option<f64>,
+    /// Its speed over that of the limit, where nothing hinders it.
+    pub speed_factor: Option<f64>,
+    /// What it emitted and used, as [`EMISSIONS`], if SUMO was told to compute that.
+    pub emissions: [Option<f64>; EMISSIONS.len()],
 }
+
+/// Attributes of the element `emissions`: sums over the trip in mg, electricity in Wh.
+pub const EMISSIONS: [&str; 7] = ["CO_abs", "CO2_abs", "HC_abs", "PMx_abs", "NOx_abs", "fuel_abs", "electricity_abs"];
 
 /// All trips of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -41,8 +54,19 @@ impl Trips {
     /// [`SumoFileError::Unreadable`] if it cannot be read, [`SumoFileError::Content`] with the place if it is not what SUMO writes.
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let mut trips = Self::default();
-        trips.whole = records::each(path, &["tripinfo"], |_, record| {
+        let mut last = None;
+        trips.whole = records::each(path, &["tripinfo", "emissions"], |element, record| {
+            if element == "emissions" {
+                // They stand inside the trip that was read last.
+                let trip = last.as_ref().and_then(|id| trips.by_id.get_mut(id)?.back_mut());
+                let found = EMISSIONS.map(|name| record.number(name).ok());
+                if let Some(trip) = trip.filter(|_| found.iter().any(Option::is_some)) {
+                    trip.emissions = found;
+                }
+                return Ok(());
+            }
             let (id, trip) = trip(record)?;
+            last = Some(id.clone());
             trips.by_id.entry(id).or_default().push_back(trip);
             Ok(())
         })?;
@@ -74,6 +98,11 @@ fn trip(record: &Record<'_>) -> Result<(String, TripInfo), String> {
         duration_s: record.number("duration")?,
         time_loss_s: record.number("timeLoss")?,
         route_length_m: record.number("routeLength")?,
+        waiting_time_s: record.number("waitingTime").ok(),
+        waiting_count: record.number("waitingCount").ok(),
+        stop_time_s: record.number("stopTime").ok(),
+        speed_factor: record.number("speedFactor").ok(),
+        emissions: Default::default(),
     };
     Ok((record.text("id").ok_or("no id")?, trip))
 }
