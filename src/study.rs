@@ -29,6 +29,7 @@ mod terminal;
 mod values;
 mod vehicle;
 mod vehicles;
+mod warm_up;
 mod work;
 
 pub use case::State;
@@ -43,4 +44,5 @@ pub use plan::{Case, Plan};
 pub use setting::{Setting, settings};
 pub use statistics::{Estimate, holm, seeds_for};
 pub use terminal::{advice, terminal_table};
+pub use warm_up::{WarmUp, warm_up};
 pub use work::{Ended, Execute, Work};

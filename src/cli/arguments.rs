@@ -144,6 +144,9 @@ pub struct StudyArgs {
     /// Seeds: 1..10 (both included) or a list separated by commas [default: 1..5]
     #[arg(long, value_name = "SEEDS", allow_hyphen_values = true)]
     pub seeds: Option<String>,
+    /// Time that SUMO alone simulates once per seed, before the cases begin (s)
+    #[arg(long, value_name = "S")]
+    pub warm_up: Option<String>,
     /// Cases at the same time [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
@@ -213,7 +216,12 @@ impl CompareArgs {
 
 impl StudyArgs {
     fn arguments(&self) -> Arguments {
-        Arguments { request: self.scenario.request(), seeds: self.seeds.clone(), ..Arguments::default() }
+        Arguments {
+            request: self.scenario.request(),
+            seeds: self.seeds.clone(),
+            warm_up: self.warm_up.clone(),
+            ..Arguments::default()
+        }
     }
 }
 

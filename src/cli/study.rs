@@ -8,6 +8,7 @@ use crate::{
     scenario::Catalog,
     study::{
         Arguments, Case, Definition, EXECUTORS, Ended, Plan, State, StudyError, Work, advice, collect, terminal_table,
+        warm_up,
     },
 };
 
@@ -34,7 +35,10 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     let program = std::env::current_exe().map_err(StudyError::from)?;
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = args.jobs.map_or_else(cores, usize::from);
-    let ended = execute(&Work { plan: &plan, cases: &todo, jobs, program: &program, quiet: args.quiet })?;
+    let mut ended = warm_up(&plan, &todo, jobs, args.quiet)?;
+    if ended == Ended::All {
+        ended = execute(&Work { plan: &plan, cases: &todo, jobs, program: &program, quiet: args.quiet })?;
+    }
     if let Ended::Interrupted(signal) = ended {
         let done = plan.cases.iter().filter(|case| State::of(&plan, case) == State::Done).count();
         eprintln!("stopped: {done} of {} cases are done; the same command goes on from there", plan.cases.len());

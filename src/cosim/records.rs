@@ -83,6 +83,8 @@ pub struct Finished {
 /// Counters of all vehicles, egos or not.
 #[derive(Debug, Clone, Default)]
 pub struct Counters {
+    /// Vehicles that were on the road at the beginning, in a state that SUMO had loaded.
+    pub present: u64,
     /// Vehicles that departed.
     pub departed: u64,
     /// Vehicles that arrived.

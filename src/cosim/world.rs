@@ -93,6 +93,8 @@ impl<S: Sumo> World<S> {
             mass: joined.tells_mass,
         };
         let mut admission = Admission::new(setup.rules, wanted);
+        let mut records = Records::default();
+        records.counters.present = joined.present.len() as u64;
         admission.wait(joined.present);
         Ok(Self {
             sumo,
@@ -103,7 +105,7 @@ impl<S: Sumo> World<S> {
             body_leads,
             lanes: Lanes::new(setup.friction),
             readings: Readings::every_second(step_s),
-            records: Records::default(),
+            records,
             chunks: Vec::new(),
             readings_room: Default::default(),
             admitted: Vec::new(),

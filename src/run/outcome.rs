@@ -58,17 +58,19 @@ impl Outcome {
         let counters = &records.counters;
         let (mut arrived, time_loss_mean_s) = trips.arrivals();
         // `device.tripinfo.probability` leaves vehicles out.
-        let (found, departed) = (trips.all().count() as u64, counters.departed);
-        if found < departed {
+        let (found, entered) = (trips.all().count() as u64, counters.present + counters.departed);
+        if found < entered {
             arrived = counters.arrived;
             if has_trips && !died {
                 notes.push(format!(
-                    "SUMO's tripinfo holds {found} of {departed} vehicles: time losses are those of these"
+                    "SUMO's tripinfo holds {found} of {entered} vehicles: time losses are those of these"
                 ));
             }
         }
         let totals = match statistics {
             Some(SumoStatistics { inserted, collisions, teleports, .. }) => {
+                // A state that was loaded brings the counts of its own past along.
+                let inserted = if counters.present > 0 { entered } else { inserted };
                 SumoTotals { inserted, arrived, time_loss_mean_s, collisions, teleports }
             }
             None => SumoTotals {

@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 /// Seeds where nothing is said.
 const SEEDS: &str = "1..5";
 /// What the study itself sets.
-const OURS: &[&str] = &["sumo.seed", "sumo.connect", "sumo.port", "sumo.num_clients", "sumo.gui", "output.vehicles"];
+const OURS: &[&str] =
+    &["sumo.seed", "sumo.connect", "sumo.port", "sumo.num_clients", "sumo.gui", "sumo.load_state", "output.vehicles"];
 
 keys! {
     /// The plain keys of a study file.
@@ -21,6 +22,8 @@ keys! {
         scenario: Option<PathBuf>;
         /// seeds: 1..10 (both included), or a list separated by commas
         seeds: String = SEEDS, form seeds;
+        /// simulated once per seed by SUMO alone, and loaded by every case
+        warm_up_s: Option<f64>, "s", 0.001..=1e6;
     }
 }
 
@@ -37,6 +40,8 @@ pub struct Arguments {
     pub vary: Vec<String>,
     /// The seeds.
     pub seeds: Option<String>,
+    /// Warm-up \[s\].
+    pub warm_up: Option<String>,
     /// `KEY=V`.
     pub reference: Vec<String>,
     /// Controllers that are compared with the first.
@@ -65,6 +70,8 @@ pub struct Definition {
     pub request: Request,
     /// The seeds.
     pub seeds: Vec<u64>,
+    /// What SUMO simulates before the cases begin \[s\].
+    pub warm_up_s: Option<f64>,
     /// What varies.
     pub axes: Vec<Axis>,
     /// Whether two settings may be the same: a controller is compared with itself to see that nothing else differs.
@@ -81,7 +88,7 @@ impl Definition {
         let mut name = None;
         if let Some(path) = request.scenario.clone().filter(|p| p.extension().is_some_and(|e| e == "toml")) {
             let file = read(&path)?;
-            if ["scenario", "seeds", "vary", "reference"].iter().any(|key| file.contains_key(*key)) {
+            if ["scenario", "seeds", "vary", "reference", "warm_up_s"].iter().any(|key| file.contains_key(*key)) {
                 (root, request.scenario) = (file, None);
                 name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
             }
@@ -104,6 +111,7 @@ impl Definition {
             name: name.unwrap_or_default(),
             request,
             seeds: parse_seeds(&keys.seeds).unwrap_or_default(),
+            warm_up_s: keys.warm_up_s,
             axes,
             twins: !arguments.controllers.is_empty(),
         })
@@ -125,6 +133,10 @@ fn add_arguments(root: &mut Table, arguments: &Arguments) {
     };
     if let Some(seeds) = &arguments.seeds {
         root.insert("seeds".to_owned(), entry(&format!("--seeds {seeds}"), &|_| Node::Text(seeds.clone())));
+    }
+    if let Some(warm_up) = &arguments.warm_up {
+        let node = |place: &Place| Node::of_argument(warm_up, place);
+        root.insert("warm_up_s".to_owned(), entry(&format!("--warm-up {warm_up}"), &node));
     }
     let pair = |flag: &str, given: &str, node: fn(&str, &Place) -> Node| {
         let (key, value) = given.split_once('=').unwrap_or((given, ""));

@@ -31,6 +31,18 @@ pub enum StudyError {
         /// What a study needs.
         wanted: &'static str,
     },
+    /// SUMO cannot simulate what is before the cases.
+    #[error("warm-up of seed {seed}: {what}")]
+    WarmUp {
+        /// The seed.
+        seed: u64,
+        /// What SUMO said.
+        what: String,
+    },
+    /// A file of SUMO.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    SumoFile(#[from] crate::sumo_files::SumoFileError),
     /// There is no such executor.
     #[error(transparent)]
     Executor(#[from] UnknownName),

@@ -3,9 +3,11 @@
 use super::definition::Definition;
 use super::error::StudyError;
 use super::setting::{Setting, settings};
+use super::warm_up::WarmUp;
 use crate::output::{OutputError, write_json};
 use crate::run::{Input, Manifest, Status, Summary};
 use crate::scenario::{Catalog, Scenario};
+use crate::sumo_files::{SumoSetup, plain_until, span_s};
 use crate::traci::{SumoBinary, find_sumo};
 use serde_json::json;
 use std::collections::{BTreeMap, btree_map};
@@ -42,6 +44,8 @@ pub struct Plan {
     /// Its version.
     pub sumo_version: String,
     inputs: Vec<Vec<Input>>,
+    /// By setting: what SUMO simulates before its cases begin, and until when \[s\].
+    warm_ups: Vec<Option<(SumoSetup, f64)>>,
 }
 
 impl Plan {
@@ -57,6 +61,7 @@ impl Plan {
             keys: definition.axes.iter().flat_map(|axis| axis.keys.clone()).collect(),
             seeds: definition.seeds.clone(),
             inputs: hashed(&settings)?,
+            warm_ups: warm_ups(&settings, definition.warm_up_s)?,
             settings,
             cases: Vec::new(),
             sumo_version: sumo.version_text()?,
@@ -103,7 +108,17 @@ impl Plan {
     fn scenario(&self, case: &Case) -> Scenario {
         let mut scenario = self.settings[case.setting].scenario.clone();
         scenario.sumo.seed = case.seed;
+        if let Some(warm_up) = self.warm_up(case) {
+            scenario.sumo.load_state = Some(warm_up.state);
+        }
         scenario
+    }
+
+    /// The warm-up of a case, if the study has one.
+    pub fn warm_up(&self, case: &Case) -> Option<WarmUp> {
+        let warm_up = self.warm_ups[case.setting].as_ref()?;
+        let made_of = format!("{} {:?}", self.sumo_version, self.inputs[case.setting]);
+        Some(WarmUp::new(&std::path::absolute(&self.dir).ok()?, warm_up, case.seed, &made_of))
     }
 
     /// What `run.json` says of a case before it runs.
@@ -150,6 +165,26 @@ impl Plan {
         });
         write_json(&self.dir.join("study.json"), &study)
     }
+}
+
+/// The warm-up of every setting.
+fn warm_ups(settings: &[Setting], warm_up_s: Option<f64>) -> Result<Vec<Option<(SumoSetup, f64)>>, StudyError> {
+    let Some(warm_up_s) = warm_up_s else { return Ok(vec![None; settings.len()]) };
+    let of_setting = |setting: &Setting| {
+        let sumo = &setting.scenario.sumo;
+        if let Some(state) = &sumo.load_state {
+            let (found, wanted) = (state.display().to_string(), "nothing: warm_up_s makes a state for each seed");
+            return Err(StudyError::Unfit { key: "sumo.load_state", found, wanted });
+        }
+        let (begin_s, end_s) = span_s(sumo)?;
+        let until_s = begin_s + warm_up_s;
+        if end_s.is_some_and(|end_s| end_s <= until_s) {
+            let found = format!("{warm_up_s}, which ends at {until_s} s");
+            return Err(StudyError::Unfit { key: "warm_up_s", found, wanted: "less than the simulation lasts" });
+        }
+        Ok(Some((plain_until(sumo, until_s)?, until_s)))
+    };
+    settings.iter().map(of_setting).collect()
 }
 
 /// The inputs of every setting; each file is read once.

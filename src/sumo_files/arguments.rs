@@ -14,6 +14,7 @@ use super::{
     sampling::Sampling,
     settings::Settings,
     setup::{Source, SumoSetup},
+    state::state_time,
 };
 
 /// Options that the scenario has keys for, or that the exchange needs: SUMO's option, what to use instead.
@@ -82,6 +83,10 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
         if copies != files || settings.configuration.is_none() {
             line.push_list(option, &copies);
         }
+    }
+    if let Some(state) = &setup.load_state {
+        line.push("load-state", &state.to_string_lossy());
+        line.push("begin", &state_time(state)?);
     }
     line.push("step-length", &setup.step_length_s.to_string());
     for (option, period_s) in Sampling::of(&settings, setup.step_length_s).periods {

@@ -85,7 +85,8 @@ impl Demand {
         // Other clients, files given as options of SUMO, and a saved state bring traffic that is not seen here.
         let may_be_empty = setup.num_clients > 1
             || INPUTS.iter().any(|(option, _)| settings.given.contains_key(*option))
-            || settings.value("load-state").is_some();
+            || settings.value("load-state").is_some()
+            || setup.load_state.is_some();
         if !traffic && !may_be_empty {
             return Err(match (routes.map(|place| (place, "sumo.routes".to_owned())), settings.place("route-files")) {
                 (Some((place, key)), _) | (None, Some((place, key))) => empty(place, key, &files),

@@ -15,6 +15,8 @@ keys! {
         routes: Vec<PathBuf>;
         /// additional files of net
         additional: Vec<PathBuf>;
+        /// state that SUMO has saved (.xml, .xml.gz), from which it goes on
+        load_state: Option<PathBuf>;
         /// SUMO's step, a whole number of control periods and of 1 ms
         step_length_s: f64 = 0.1, "s", 0.001..=10.0;
         /// simulation time at which the run ends; not set = the configuration's
@@ -73,6 +75,6 @@ impl SumoSetup {
 
     /// All files that are named for SUMO to load.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        self.config.iter().chain(&self.net).chain(&self.routes).chain(&self.additional)
+        self.config.iter().chain(&self.net).chain(&self.routes).chain(&self.additional).chain(&self.load_state)
     }
 }

@@ -1,9 +1,11 @@
 //! Studies against real SUMO: one engine, two faces; nothing in the tables depends on who ran what, when and in what order.
 
 mod interrupted;
+mod joined;
 #[path = "../live/support.rs"]
 #[allow(dead_code)]
 mod support;
+mod warm_up;
 mod wrong;
 
 use std::fs;
