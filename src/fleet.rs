@@ -28,7 +28,7 @@ use std::time::Duration;
 const PARALLEL_FROM_BLOCK_PERIODS: usize = 80;
 
 /// Where a vehicle lives: block and slot in one number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Slot(u32);
 
 impl Slot {

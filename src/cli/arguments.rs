@@ -147,6 +147,9 @@ pub struct StudyArgs {
     /// Time that SUMO alone simulates once per seed, before the cases begin (s)
     #[arg(long, value_name = "S")]
     pub warm_up: Option<String>,
+    /// Resamples of the studentised bootstrap of every difference, beside the t interval
+    #[arg(long, value_name = "N")]
+    pub bootstrap: Option<String>,
     /// Cases at the same time [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
@@ -220,6 +223,7 @@ impl StudyArgs {
             request: self.scenario.request(),
             seeds: self.seeds.clone(),
             warm_up: self.warm_up.clone(),
+            bootstrap: self.bootstrap.clone(),
             ..Arguments::default()
         }
     }

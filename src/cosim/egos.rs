@@ -2,6 +2,7 @@
 
 use super::creep::Creep;
 use super::leader::Leader;
+use super::platoon::Follower;
 use super::question::Object;
 use crate::fleet::Slot;
 use std::collections::HashMap;
@@ -46,6 +47,8 @@ pub struct Ego {
     pub leader: Option<Leader>,
     /// True if its driver decides less often than SUMO steps, and keeps an acceleration in between.
     pub keeps_plan: bool,
+    /// Whom it follows.
+    pub follower: Follower,
     /// Whether it creeps.
     pub creep: Creep,
     /// Desired time headway before the scenario changed it \[s\].

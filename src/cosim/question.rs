@@ -5,7 +5,7 @@
 //! command per value and returns nothing yet; one that reads a reply returns the values in the same order; one that reads
 //! a subscription looks them up by their numbers; a SUMO in this process would simply call it.
 
-use crate::traci::{BatchError, Domain, Prefix, Value, Var};
+use crate::traci::{BatchError, Domain, FromValue, Leader, Prefix, Value, Var, vehicle};
 use std::sync::Arc;
 
 /// A vehicle, vType, lane or the simulation, by its id in SUMO.
@@ -34,10 +34,19 @@ impl Object {
     }
 }
 
+/// What is said along with a variable.
+#[derive(Debug, Clone, Copy)]
+pub enum With<'k> {
+    /// The key of a generic parameter.
+    Key(&'k str),
+    /// A distance \[m\].
+    Distance(f64),
+}
+
 /// Values of one object. `None`: SUMO has no value now (a vehicle that teleports has no speed), or declined.
 pub trait Gets<'a> {
-    /// A variable by its number in its domain; `key` is that of a generic parameter.
-    fn value(&mut self, domain: Domain, variable: u8, key: Option<&str>) -> Option<Value<'a>>;
+    /// A variable by its number in its domain, with what has to be said along with it.
+    fn value(&mut self, domain: Domain, variable: u8, with: Option<With<'_>>) -> Option<Value<'a>>;
 
     /// A number.
     fn number<S>(&mut self, variable: Var<f64, S>) -> Option<f64> {
@@ -56,7 +65,13 @@ pub trait Gets<'a> {
 
     /// A generic parameter by its key; empty if the object does not have it.
     fn parameter<S>(&mut self, variable: Var<String, S, String>, key: &str) -> Option<&'a str> {
-        self.value(variable.domain, variable.id, Some(key))?.as_str()
+        self.value(variable.domain, variable.id, Some(With::Key(key)))?.as_str()
+    }
+
+    /// The vehicle ahead within a distance \[m\].
+    fn leader(&mut self, ahead_m: f64) -> Option<String> {
+        let value = self.value(vehicle::LEADER.domain, vehicle::LEADER.id, Some(With::Distance(ahead_m)))?;
+        Option::<Leader>::from_value(value).ok()?.map(|leader| leader.id)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::egos::{EgoTable, Presence};
 use super::error::CosimError;
+use super::platoon::AHEAD_M;
 use super::question::{Gets, NoAnswer, Question};
 use super::roads::Roads;
 use super::sumo::Sumo;
@@ -9,31 +10,40 @@ use crate::fleet::{Fleet, Slot};
 use crate::traci::vehicle;
 
 /// When they are read.
+#[derive(Clone, Copy)]
 pub struct Readings {
     every: u64,
+    /// Who is ahead of each ego is asked, too.
+    platoons: bool,
 }
 
-/// The question about an ego's odometer and road.
-pub struct ReadingQuestion(Slot);
+/// The question about an ego's odometer and road, and perhaps about who is ahead.
+pub struct ReadingQuestion {
+    slot: Slot,
+    platoons: bool,
+}
 
 /// The answer.
 pub struct Reading<'a> {
     odometer_m: Option<f64>,
     road: Option<&'a str>,
+    ahead: Option<String>,
 }
 
 impl Question for ReadingQuestion {
     type Answer<'a> = Reading<'a>;
 
     fn answer<'a>(&self, gets: &mut impl Gets<'a>) -> Reading<'a> {
-        Reading { odometer_m: gets.number(vehicle::DISTANCE), road: gets.text(vehicle::ROAD) }
+        let (odometer_m, road) = (gets.number(vehicle::DISTANCE), gets.text(vehicle::ROAD));
+        let ahead = if self.platoons { gets.leader(AHEAD_M) } else { None };
+        Reading { odometer_m, road, ahead }
     }
 }
 
 impl Readings {
     /// Once a second, or in every step if steps are longer than that.
-    pub fn every_second(step_s: f64) -> Self {
-        Self { every: (1.0 / step_s).round().max(1.0) as u64 }
+    pub fn every_second(step_s: f64, platoons: bool) -> Self {
+        Self { every: (1.0 / step_s).round().max(1.0) as u64, platoons }
     }
 
     /// Whether they are due after this step.
@@ -44,6 +54,7 @@ impl Readings {
     /// Asks about every ego, or only about those that were carried to another place, in the memory of the last questions.
     /// SUMO looks the values up while the bodies drive to the same instant.
     pub fn ask<S: Sumo>(
+        self,
         due: bool,
         room: S::Asked<ReadingQuestion>,
         sumo: &mut S,
@@ -51,7 +62,9 @@ impl Readings {
     ) -> Result<S::Asked<ReadingQuestion>, CosimError> {
         sumo.ask_in(
             room,
-            egos.iter().filter(|ego| due || ego.carried).map(|ego| (&ego.object, ReadingQuestion(ego.slot))),
+            egos.iter()
+                .filter(|ego| due || ego.carried)
+                .map(|ego| (&ego.object, ReadingQuestion { slot: ego.slot, platoons: self.platoons })),
         )
     }
 
@@ -64,8 +77,13 @@ impl Readings {
         fleet: &mut Fleet,
         roads: &mut Roads,
     ) -> Result<S::Asked<ReadingQuestion>, CosimError> {
-        let note = |ReadingQuestion(slot): ReadingQuestion, answer: Result<Reading<'_>, NoAnswer>| {
+        let note = |ReadingQuestion { slot, platoons }: ReadingQuestion, answer: Result<Reading<'_>, NoAnswer>| {
+            let ahead = |id: &str| egos.find(id).map(|ego| (ego.id().clone(), ego.slot));
+            let ahead = answer.as_ref().ok().and_then(|reading| reading.ahead.as_deref()).and_then(ahead);
             let (Ok(reading), Some(ego)) = (answer, egos.get_mut(slot)) else { return };
+            if platoons {
+                ego.follower.see(ahead.as_ref().map(|(id, slot)| (id, *slot)));
+            }
             let (block, lane) = (fleet.block_mut(slot), slot.lane());
             if let Some(odometer_m) = reading.odometer_m.filter(|_| ego.presence == Presence::Driving) {
                 let gap_m = odometer_m - ego.odometer_offset_m - block.distance_m(lane);

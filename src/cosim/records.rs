@@ -1,6 +1,7 @@
 //! What a run leaves: a record per ego, sums by road, and counters of the whole traffic.
 
 use super::egos::Ego;
+use super::platoon::StringGain;
 use super::roads::Roads;
 use crate::fleet::Fleet;
 use crate::stats::{DriveQuality, VehicleStats};
@@ -70,6 +71,8 @@ pub struct Finished {
     pub stats: VehicleStats,
     /// Its drive quality.
     pub quality: DriveQuality,
+    /// How it passes on what the egos ahead do.
+    pub string_gain: StringGain,
     /// ∫V_x dt \[m\].
     pub distance_m: f64,
     /// SUMO's odometer minus that \[m\].
@@ -141,6 +144,7 @@ impl Records {
             reason,
             stats: fleet.release(slot),
             quality,
+            string_gain: ego.follower.gain(),
             distance_m,
             odometer_gap_m: ego.odometer_gap_m,
             time_loss_s: ego.leader.map(|leader| leader.time_loss_s),

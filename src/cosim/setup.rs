@@ -17,6 +17,8 @@ pub struct WorldSetup {
     pub loop_config: LoopConfig,
     /// The drive quality of egos is kept.
     pub quality: bool,
+    /// Who follows whom is kept.
+    pub platoons: bool,
     /// Bodies feel the slope of SUMO's road.
     pub grade: bool,
     /// Bodies feel the friction of SUMO's lanes.

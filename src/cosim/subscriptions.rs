@@ -2,7 +2,7 @@
 //! to, so that some blocks are not ours; they are told apart by vehicle and variables, not by their order.
 
 use super::error::CosimError;
-use super::question::{Gets, Object};
+use super::question::{Gets, Object, With};
 use crate::traci::{Block, Domain, Value};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -75,7 +75,7 @@ impl Subscriptions {
 pub(super) struct Lookup<'a>(&'a [(u8, Kept)]);
 
 impl<'a> Gets<'a> for Lookup<'a> {
-    fn value(&mut self, _: Domain, variable: u8, _: Option<&str>) -> Option<Value<'a>> {
+    fn value(&mut self, _: Domain, variable: u8, _: Option<With<'_>>) -> Option<Value<'a>> {
         let (_, kept) = self.0.iter().find(|(id, _)| *id == variable)?;
         Some(match kept {
             Kept::Number(v) => Value::Double(*v),
@@ -91,7 +91,7 @@ impl<'a> Gets<'a> for Lookup<'a> {
 pub(super) struct Variables(pub Vec<u8>);
 
 impl<'a> Gets<'a> for Variables {
-    fn value(&mut self, _: Domain, variable: u8, _: Option<&str>) -> Option<Value<'a>> {
+    fn value(&mut self, _: Domain, variable: u8, _: Option<With<'_>>) -> Option<Value<'a>> {
         self.0.push(variable);
         None
     }

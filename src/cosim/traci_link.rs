@@ -6,7 +6,7 @@
 
 use super::error::CosimError;
 use super::events::Events;
-use super::question::{Gets, NoAnswer, Object, Question};
+use super::question::{Gets, NoAnswer, Object, Question, With};
 use super::subscriptions::{Subscriptions, Variables};
 use super::sumo::{Joined, Sumo, Tell};
 use crate::traci::{
@@ -285,12 +285,16 @@ struct Writer<'b> {
 }
 
 impl<'a> Gets<'a> for Writer<'_> {
-    fn value(&mut self, domain: Domain, variable: u8, key: Option<&str>) -> Option<Value<'a>> {
+    fn value(&mut self, domain: Domain, variable: u8, with: Option<With<'_>>) -> Option<Value<'a>> {
         let prefix = &self.object.prefix;
         // What the answers are is known to the question.
-        let written = match key {
+        let written = match with {
             None => self.batch.get_by_prefix(Var::<f64>::new(domain, variable), prefix).map(drop),
-            Some(key) => {
+            Some(With::Distance(distance_m)) => {
+                let variable = Var::<f64, Never, f64>::new(domain, variable);
+                self.batch.get_with_by_prefix(variable, prefix, distance_m).map(drop)
+            }
+            Some(With::Key(key)) => {
                 self.batch.get_with_by_prefix(Var::<f64, Never, String>::new(domain, variable), prefix, key).map(drop)
             }
         };
@@ -313,7 +317,7 @@ impl Reader<'_> {
 }
 
 impl<'a> Gets<'a> for Reader<'a> {
-    fn value(&mut self, _: Domain, _: u8, _: Option<&str>) -> Option<Value<'a>> {
+    fn value(&mut self, _: Domain, _: u8, _: Option<With<'_>>) -> Option<Value<'a>> {
         let place = self.place();
         self.reply.value(place).ok()?
     }

@@ -3,6 +3,7 @@
 
 use super::admission::{Admission, Newcomer, Wanted};
 use super::body_leads::BodyLeads;
+use super::chunk::{BLOCKS_PER_CHUNK, Chunk, share_out};
 use super::creep::Creep;
 use super::egos::{Ego, EgoTable, Presence};
 use super::error::CosimError;
@@ -10,6 +11,7 @@ use super::events::Events;
 use super::lanes::Lanes;
 use super::leader::Leader;
 use super::observation::EgoQuestion;
+use super::platoon::{Follower, note_speeds};
 use super::question::NoAnswer;
 use super::readings::{ReadingQuestion, Readings};
 use super::records::{Finished, Reason, Records};
@@ -25,9 +27,6 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Blocks of the fleet in one chunk: enough work to be worth two messages of its own.
-const BLOCKS_PER_CHUNK: usize = 16;
-
 /// Fleet and SUMO, stepping together.
 pub struct World<S: Sumo = TraciLink> {
     sumo: S,
@@ -38,6 +37,8 @@ pub struct World<S: Sumo = TraciLink> {
     body_leads: BodyLeads,
     lanes: Lanes,
     readings: Readings,
+    /// Who follows whom is kept.
+    platoons: bool,
     records: Records,
     /// The chunks of the last step, whose memory the next one uses.
     chunks: Vec<Chunk<S>>,
@@ -104,7 +105,8 @@ impl<S: Sumo> World<S> {
             admission,
             body_leads,
             lanes: Lanes::new(setup.friction),
-            readings: Readings::every_second(step_s),
+            readings: Readings::every_second(step_s, setup.platoons),
+            platoons: setup.platoons,
             records,
             chunks: Vec::new(),
             readings_room: Default::default(),
@@ -139,7 +141,7 @@ impl<S: Sumo> World<S> {
         // Only now: each question about a vehicle that has left would be an error in SUMO's log.
         let mut chunks = self.ask_egos()?;
         let departed = self.admission.ask(&mut self.sumo, &mut self.records.counters)?;
-        let readings = Readings::ask(
+        let readings = self.readings.ask(
             self.readings.are_due(self.steps),
             std::mem::take(&mut self.readings_room),
             &mut self.sumo,
@@ -157,6 +159,9 @@ impl<S: Sumo> World<S> {
             self.end_lost();
             self.drive(place, &chunk.members);
             self.tell(&chunk.members).await?;
+        }
+        if self.platoons {
+            note_speeds(&mut self.egos, &self.fleet, self.step_s);
         }
         self.chunks = chunks;
         self.admission.hear(&mut self.sumo, departed, &mut self.records.counters).await?;
@@ -193,6 +198,7 @@ impl<S: Sumo> World<S> {
                 road: None,
                 leader,
                 keeps_plan: action_step_s > 1.5 * self.step_s,
+                follower: Follower::default(),
                 creep: Creep::default(),
                 headway_before_s: departed.headway_s,
                 headway_s,
@@ -245,14 +251,7 @@ impl<S: Sumo> World<S> {
     /// Asks about every ego, chunk by chunk.
     fn ask_egos(&mut self) -> Result<Vec<Chunk<S>>, CosimError> {
         let mut chunks = std::mem::take(&mut self.chunks);
-        chunks.iter_mut().for_each(|chunk| chunk.members.clear());
-        for slot in self.egos.slots() {
-            let place = slot.block() / BLOCKS_PER_CHUNK;
-            if place >= chunks.len() {
-                chunks.resize_with(place + 1, Chunk::default);
-            }
-            chunks[place].members.push(slot);
-        }
+        share_out(&self.egos, &mut chunks);
         for chunk in &mut chunks {
             let egos = chunk.members.iter().filter_map(|slot| self.egos.get(*slot));
             let (fleet, lanes) = (&self.fleet, &self.lanes);
@@ -384,7 +383,7 @@ impl<S: Sumo> World<S> {
     pub async fn hand_back(&mut self) -> Result<(), CosimError> {
         // Who departed in the last step has a record too, without samples.
         self.admit_newcomers().await?;
-        let readings = Readings::ask(true, Default::default(), &mut self.sumo, &self.egos)?;
+        let readings = self.readings.ask(true, Default::default(), &mut self.sumo, &self.egos)?;
         self.hear_readings(readings).await?;
         for ego in self.egos.iter() {
             if let Some(sigma) = ego.imperfection_before {
@@ -483,18 +482,5 @@ impl<S: Sumo> World<S> {
     /// Time spent waiting for SUMO so far.
     pub fn waited(&self) -> Duration {
         self.sumo.waited()
-    }
-}
-
-/// The egos of neighbouring blocks. While SUMO looks up the values of one chunk, the bodies of the chunk before it drive.
-struct Chunk<S: Sumo> {
-    members: Vec<Slot>,
-    asked: S::Asked<EgoQuestion>,
-    is_heard: bool,
-}
-
-impl<S: Sumo> Default for Chunk<S> {
-    fn default() -> Self {
-        Self { members: Vec::new(), asked: Default::default(), is_heard: true }
     }
 }

@@ -85,12 +85,18 @@ impl Outcome {
         let refused = counters.refused.len() as u64;
         let counts = [counters.unequipped, counters.others.values().sum(), refused, counters.crept];
         let driven: BTreeSet<usize> = records.finished.iter().map(|record| record.group).collect();
-        let qualities: Vec<_> = records.finished.iter().map(|record| record.quality).collect();
+        let qualities: Vec<_> = records.finished.iter().map(|record| (record.quality, record.string_gain)).collect();
         let rows: Vec<_> =
             records.finished.into_iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
         let quality = rows.iter().zip(qualities);
-        let quality =
-            quality.map(|(row, quality)| QualityRow { id: row.id.clone(), depart: row.depart, quality }).collect();
+        let quality = quality
+            .map(|(row, (quality, string_gain))| QualityRow {
+                id: row.id.clone(),
+                depart: row.depart,
+                quality,
+                string_gain,
+            })
+            .collect();
         notes.extend(unmatched(scenario, &driven, &rows));
         Self { rows, quality, edges, totals, counts, notes, failed: broken.map(RunError::Outputs).or(nobody) }
     }

@@ -1,6 +1,6 @@
 //! The rows of the tables of a run. Each field is declared once, with column, unit and meaning.
 
-use crate::cosim::{Reason, Roads};
+use crate::cosim::{Reason, Roads, StringGain};
 use crate::stats::{DriveQuality, Sums, VehicleStats};
 use crate::table::{Cell, Column, Columns, Field, Kind, Layout, record};
 use std::sync::{Arc, LazyLock};
@@ -49,6 +49,8 @@ record! {
         depart: f64 = "Time of departure, as in SUMO's tripinfo" ["s"] not_in_summary;
         /// Its ratings.
         quality: DriveQuality;
+        /// How it follows.
+        string_gain: StringGain;
     }
 }
 

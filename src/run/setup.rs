@@ -24,6 +24,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         loop_config: scenario.loop_config(),
         grade: scenario.coupling.grade,
         quality: scenario.output.quality,
+        platoons: scenario.output.platoons,
         friction: scenario.coupling.friction,
         sigma: scenario.traffic.sigma,
         trace: (scenario.output.trace.clone(), scenario.output.trace_period_s),

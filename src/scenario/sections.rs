@@ -70,6 +70,8 @@ keys! {
         vehicles: String = "vehicles.csv", form table_name;
         /// drive quality, comfort and work of every vehicle, in quality.csv
         quality: bool = true;
+        /// string stability of egos that follow each other, in quality.csv
+        platoons: bool = false;
         /// none, all or vehicle ids separated by commas
         trace: Trace = Trace::None;
         /// time between rows of the trace, whole steps or control periods; not set = SUMO's step

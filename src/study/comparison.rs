@@ -1,5 +1,6 @@
 //! `comparison.csv`: a row per setting and metric.
 
+use super::bootstrap::interval;
 use super::metrics::{METRIC_COUNT, METRICS};
 use super::plan::Plan;
 use super::statistics::{Estimate, holm, seeds_for};
@@ -22,6 +23,8 @@ record! {
         diff: Option<f64> = "Mean over these of the paired difference to the reference; empty for the reference itself";
         diff_sd: Option<f64> = "Standard deviation of the paired difference";
         diff_ci95: Option<f64> = "Half width of the 95 % t interval of the difference";
+        diff_boot_low: Option<f64> = "Lower end of the 95 % interval of the difference by the studentised bootstrap, on request";
+        diff_boot_high: Option<f64> = "Its upper end";
         p_holm: Option<f64> = "Two-sided p of the difference, after Holm over all settings and metrics; empty where all differences are the same";
         completed: u64 = "Vehicles that arrived in both runs and have the metric, over all seeds";
         completed_diff: Option<f64> = "Mean over the seeds of the mean difference of these vehicles";
@@ -77,8 +80,13 @@ pub fn compare(plan: &Plan, samples: &[[Samples; METRIC_COUNT]]) -> Vec<Comparis
         for (k, metric) in METRICS.iter().enumerate() {
             let own = &samples[index][k];
             let reference = setting.reference.map(|reference| &samples[reference][k]);
-            let (compared, own_p) = compared(own, reference);
-            let compared = Compared { metric: metric.name, unit: metric.unit, ..compared };
+            let (mut compared, own_p) = compared(own, reference);
+            (compared.metric, compared.unit) = (metric.name, metric.unit);
+            if let Some(reference) = reference.filter(|_| plan.bootstrap > 0) {
+                let name = format!("{} {}", setting.values.join("\n"), metric.name);
+                let ends = interval(&differences(own, reference), plan.bootstrap, &name);
+                [compared.diff_boot_low, compared.diff_boot_high] = ends.map_or([None; 2], |ends| ends.map(Some));
+            }
             rows.push(ComparisonRow { setting: index, values: setting.values.clone(), compared });
             p.push(own_p);
         }
@@ -90,14 +98,18 @@ pub fn compare(plan: &Plan, samples: &[[Samples; METRIC_COUNT]]) -> Vec<Comparis
     rows
 }
 
+/// The paired differences to the reference.
+fn differences(own: &Samples, reference: &Samples) -> Vec<f64> {
+    own.values.iter().zip(&reference.values).filter_map(|(own, other)| Some((*own)? - (*other)?)).collect()
+}
+
 /// One metric of one setting, and its p before Holm.
 fn compared(own: &Samples, reference: Option<&Samples>) -> (Compared, Option<f64>) {
     let values: Vec<f64> = own.values.iter().flatten().copied().collect();
     let mean = Estimate::of(&values);
+    let differences = reference.map_or_else(Vec::new, |reference| differences(own, reference));
     let both = reference.into_iter().flat_map(|reference| own.values.iter().zip(&reference.values));
-    let both: Vec<(f64, f64)> = both.filter_map(|(own, other)| Some(((*own)?, (*other)?))).collect();
-    let differences: Vec<f64> = both.iter().map(|(own, other)| own - other).collect();
-    let others: Vec<f64> = both.iter().map(|(_, other)| *other).collect();
+    let others: Vec<f64> = both.filter_map(|(own, other)| own.and(*other)).collect();
     let difference = Estimate::of(&differences);
     let worth = Estimate::of(&others).map(|other| WORTH * other.mean.abs());
     let seeds = difference.and_then(|difference| seeds_for(worth?, difference.sd?));
@@ -115,6 +127,8 @@ fn compared(own: &Samples, reference: Option<&Samples>) -> (Compared, Option<f64
         diff: difference.map(|difference| difference.mean),
         diff_sd: difference.and_then(|difference| difference.sd),
         diff_ci95: difference.and_then(|difference| difference.half_width()),
+        diff_boot_low: None,
+        diff_boot_high: None,
         p_holm: None,
         completed,
         completed_diff: vehicles.map(|vehicles| vehicles.mean),

@@ -24,6 +24,8 @@ keys! {
         seeds: String = SEEDS, form seeds;
         /// simulated once per seed by SUMO alone, and loaded by every case
         warm_up_s: Option<f64>, "s", 0.001..=1e6;
+        /// resamples of the studentised bootstrap of every difference; 0 = none
+        bootstrap: u32 = 0, "-", 0..=1000000;
     }
 }
 
@@ -42,6 +44,8 @@ pub struct Arguments {
     pub seeds: Option<String>,
     /// Warm-up \[s\].
     pub warm_up: Option<String>,
+    /// Resamples of the bootstrap.
+    pub bootstrap: Option<String>,
     /// `KEY=V`.
     pub reference: Vec<String>,
     /// Controllers that are compared with the first.
@@ -72,6 +76,8 @@ pub struct Definition {
     pub seeds: Vec<u64>,
     /// What SUMO simulates before the cases begin \[s\].
     pub warm_up_s: Option<f64>,
+    /// Resamples of the bootstrap; 0 = none.
+    pub bootstrap: u32,
     /// What varies.
     pub axes: Vec<Axis>,
     /// Whether two settings may be the same: a controller is compared with itself to see that nothing else differs.
@@ -88,7 +94,10 @@ impl Definition {
         let mut name = None;
         if let Some(path) = request.scenario.clone().filter(|p| p.extension().is_some_and(|e| e == "toml")) {
             let file = read(&path)?;
-            if ["scenario", "seeds", "vary", "reference", "warm_up_s"].iter().any(|key| file.contains_key(*key)) {
+            if ["scenario", "seeds", "vary", "reference", "warm_up_s", "bootstrap"]
+                .iter()
+                .any(|key| file.contains_key(*key))
+            {
                 (root, request.scenario) = (file, None);
                 name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
             }
@@ -112,6 +121,7 @@ impl Definition {
             request,
             seeds: parse_seeds(&keys.seeds).unwrap_or_default(),
             warm_up_s: keys.warm_up_s,
+            bootstrap: keys.bootstrap,
             axes,
             twins: !arguments.controllers.is_empty(),
         })
@@ -134,9 +144,12 @@ fn add_arguments(root: &mut Table, arguments: &Arguments) {
     if let Some(seeds) = &arguments.seeds {
         root.insert("seeds".to_owned(), entry(&format!("--seeds {seeds}"), &|_| Node::Text(seeds.clone())));
     }
-    if let Some(warm_up) = &arguments.warm_up {
-        let node = |place: &Place| Node::of_argument(warm_up, place);
-        root.insert("warm_up_s".to_owned(), entry(&format!("--warm-up {warm_up}"), &node));
+    let plain = [("warm_up_s", "--warm-up", &arguments.warm_up), ("bootstrap", "--bootstrap", &arguments.bootstrap)];
+    for (key, flag, given) in plain {
+        if let Some(given) = given {
+            let node = |place: &Place| Node::of_argument(given, place);
+            root.insert(key.to_owned(), entry(&format!("{flag} {given}"), &node));
+        }
     }
     let pair = |flag: &str, given: &str, node: fn(&str, &Place) -> Node| {
         let (key, value) = given.split_once('=').unwrap_or((given, ""));

@@ -73,7 +73,7 @@ fn error_p95(run: Totals<'_>) -> Option<f64> {
 }
 
 /// How many metrics there are.
-pub const METRIC_COUNT: usize = 25;
+pub const METRIC_COUNT: usize = 27;
 
 /// The metrics in the order of the tables.
 pub static METRICS: [Metric; METRIC_COUNT] = [
@@ -129,6 +129,22 @@ pub static METRICS: [Metric; METRIC_COUNT] = [
     whole("teleports", "teleports", "Traffic: vehicles that SUMO carried on", |r| {
         Some(r.summary.sumo.teleports as f64)
     }),
+    mean!(
+        "string_gain_l2_mean",
+        "string gain L2, mean",
+        "String stability: string_gain_l2, with output.platoons",
+        "",
+        3,
+        "string_gain_l2"
+    ),
+    mean!(
+        "string_gain_linf_mean",
+        "",
+        "String stability: string_gain_linf, with output.platoons",
+        "",
+        3,
+        "string_gain_linf"
+    ),
     mean!("conflicts_mean", "conflicts, mean", "Safety: sumo_conflicts, with --safety", "", 3, "sumo_conflicts"),
     whole(
         "critical_ttc",

@@ -35,6 +35,8 @@ pub struct Plan {
     pub keys: Vec<String>,
     /// The seeds.
     pub seeds: Vec<u64>,
+    /// Resamples of the bootstrap of every difference; 0 = none.
+    pub bootstrap: u32,
     /// The settings.
     pub settings: Vec<Setting>,
     /// The cases, seed by seed: more seeds add cases at the end.
@@ -60,6 +62,7 @@ impl Plan {
             dir: dir.unwrap_or_else(|| definition.default_folder(&settings[0].scenario.name)),
             keys: definition.axes.iter().flat_map(|axis| axis.keys.clone()).collect(),
             seeds: definition.seeds.clone(),
+            bootstrap: definition.bootstrap,
             inputs: hashed(&settings)?,
             warm_ups: warm_ups(&settings, definition.warm_up_s)?,
             settings,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use sumo_mfc::cosim::{CosimError, Events, Gets, Joined, NoAnswer, Object, Question, Sumo, Tell};
+use sumo_mfc::cosim::{CosimError, Events, Gets, Joined, NoAnswer, Object, Question, Sumo, Tell, With};
 use sumo_mfc::traci::{Domain, Error, Value, lane, vehicle, vehicletype};
 
 /// Length of a step [s].
@@ -308,7 +308,7 @@ struct Values<'a> {
 }
 
 impl<'a> Gets<'a> for Values<'a> {
-    fn value(&mut self, domain: Domain, variable: u8, _: Option<&str>) -> Option<Value<'a>> {
+    fn value(&mut self, domain: Domain, variable: u8, _: Option<With<'_>>) -> Option<Value<'a>> {
         match domain {
             Domain::VehicleType => Some(type_value(self.id, variable)),
             Domain::Lane if variable == lane::MAX_SPEED.id => Some(Value::Double(LIMIT_MPS)),

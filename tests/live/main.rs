@@ -12,6 +12,7 @@ mod identical;
 mod lifecycle;
 mod names;
 mod outputs;
+mod quality;
 mod session;
 mod settings;
 mod step;

@@ -89,6 +89,21 @@ fn compare_sweep_and_a_file_give_the_same_tables() {
 }
 
 #[test]
+fn a_bootstrap_interval_is_given_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = [&MOTORWAY[..], &["--end", "60", "--controllers", "ideal,pid", "--seeds", "1..5"]].concat();
+    study("compare", folder.path(), &args);
+    let ends = |row: &support::Row| ["diff_boot_low", "diff_boot_high"].map(|column| row[column].parse::<f64>().ok());
+    assert!(table(&folder.path().join("comparison.csv")).iter().all(|row| ends(row) == [None; 2]));
+    study("compare", folder.path(), &[&args[..], &["--collect", "--bootstrap", "500"]].concat());
+    let rows = table(&folder.path().join("comparison.csv"));
+    let row = rows.iter().find(|row| row["metric"] == "error_rms_mean" && !row["diff"].is_empty()).unwrap();
+    let ([Some(low), Some(high)], diff) = (ends(row), number(row, "diff")) else { panic!("{row:?}") };
+    assert!(low < diff && diff < high && high - low < 6.0 * number(row, "diff_ci95"), "{row:?}");
+    assert!(rows.iter().all(|row| ends(row)[0].is_none() || number(row, "diff_sd") > 0.0));
+}
+
+#[test]
 fn axes_multiply_and_the_keys_of_one_vary_together() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("grid.toml");

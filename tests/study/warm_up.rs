@@ -11,7 +11,7 @@ fn trips(dir: &Path, case: &str) -> Vec<String> {
 }
 
 /// What of a trip the devices of a vehicle do not change.
-fn told(trip: &String) -> [&str; 4] {
+fn told(trip: &str) -> [&str; 4] {
     ["id", "depart", "arrival", "timeLoss"].map(|name| attribute(trip, name))
 }
 
@@ -39,9 +39,9 @@ fn a_warm_up_is_simulated_once_per_seed_and_goes_on_as_if_never_stopped() {
             let arrival: f64 = attribute(trip, "arrival").parse().unwrap();
             (0.0..UNTIL.parse().unwrap()).contains(&arrival)
         };
-        let late: Vec<_> = all.iter().filter(|trip| !ended(trip)).map(told).collect();
+        let late: Vec<_> = all.iter().filter(|trip| !ended(trip)).map(|trip| told(trip)).collect();
         assert!(after.len() > 20 && after.iter().any(|trip| attribute(trip, "depart").parse::<f64>().unwrap() < 40.0));
-        assert_eq!(after.iter().map(told).collect::<Vec<_>>(), late);
+        assert_eq!(after.iter().map(|trip| told(trip)).collect::<Vec<_>>(), late);
     }
     // A case is what one run that loads this state is.
     let text = fs::read_to_string(warm.join("cases/0002/run.json")).unwrap();
