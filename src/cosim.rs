@@ -25,6 +25,7 @@ mod creep;
 mod egos;
 mod error;
 mod events;
+mod following;
 mod lanes;
 mod leader;
 mod observation;

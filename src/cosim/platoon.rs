@@ -6,8 +6,7 @@
 //! [`SHORTEST_S`] say nothing; longer ones are added up under the root. A gain above 1 says that disturbances grow from
 //! vehicle to vehicle.
 
-use super::egos::EgoTable;
-use crate::fleet::{Fleet, Slot};
+use crate::fleet::Slot;
 use crate::table::record;
 use std::sync::Arc;
 
@@ -90,8 +89,13 @@ impl Follower {
         });
     }
 
-    /// Both speeds at the end of a step.
-    fn note(&mut self, speeds_mps: [f64; 2], step_s: f64) {
+    /// Who is ahead, if anybody.
+    pub fn ahead(&self) -> Option<(&Arc<str>, Slot)> {
+        self.episode.as_ref().map(|episode| (&episode.ahead, episode.slot))
+    }
+
+    /// Both speeds at the end of a step, its own and that of the vehicle ahead.
+    pub fn note(&mut self, speeds_mps: [f64; 2], step_s: f64) {
         let Some(episode) = &mut self.episode else { return };
         if episode.steps == 0.0 {
             episode.swings = speeds_mps.map(Swing::new);
@@ -122,23 +126,6 @@ impl Follower {
             following_time: (self.time_s > 0.0).then_some(self.time_s),
             string_gain_l2: ratio(self.squares).map(f64::sqrt),
             string_gain_linf: ratio(self.ranges),
-        }
-    }
-}
-
-/// Takes the speeds of all who follow, once all bodies are at the end of a step.
-pub fn note_speeds(egos: &mut EgoTable, fleet: &Fleet, step_s: f64) {
-    let speed_mps = |slot: Slot| fleet.block(slot).speed_mps(slot.lane());
-    let followed = |egos: &EgoTable, slot: Slot| {
-        let episode = egos.get(slot)?.follower.episode.as_ref()?;
-        let ahead = egos.get(episode.slot).filter(|ego| *ego.id() == episode.ahead)?;
-        Some(ahead.slot)
-    };
-    for slot in egos.slots().collect::<Vec<_>>() {
-        let Some(ahead) = followed(egos, slot) else { continue };
-        let speeds_mps = [speed_mps(slot), speed_mps(ahead)];
-        if let Some(ego) = egos.get_mut(slot) {
-            ego.follower.note(speeds_mps, step_s);
         }
     }
 }

@@ -5,6 +5,7 @@ use super::comparison::{ComparisonRow, Samples, compare, comparison_layout, key_
 use super::error::StudyError;
 use super::joined::{JOINED, JoinedTable, joined_layout};
 use super::metrics::{METRIC_COUNT, METRICS};
+use super::pairs::pairs;
 use super::plan::{Case, Plan};
 use super::result::CaseResult;
 use crate::output::{write_json, write_table};
@@ -68,7 +69,7 @@ pub fn collect(plan: &Plan) -> Result<Tables, StudyError> {
         let results: Vec<CaseResult> = read.collect::<Result<_, _>>()?;
         for (index, (case, result)) in of_seed.iter().zip(&results).enumerate() {
             let reference = plan.settings[index].reference.map(|reference| &results[reference]);
-            let pairs = reference.map(|reference| result.vehicles.pairs(&reference.vehicles)).unwrap_or_default();
+            let pairs = reference.map(|reference| pairs(&result.vehicles, &reference.vehicles)).unwrap_or_default();
             for (k, samples) in samples[index].iter_mut().enumerate() {
                 samples.values.push(result.values[k]);
                 samples.pairs.push(pairs[k]);

@@ -2,9 +2,10 @@
 
 use super::bootstrap::interval;
 use super::metrics::{METRIC_COUNT, METRICS};
+use super::pairs::Pairs;
 use super::plan::Plan;
 use super::statistics::{Estimate, holm, seeds_for};
-use super::vehicles::Pairs;
+
 use crate::table::{Cell, Column, Columns, Field, Kind, Layout, record};
 
 /// A difference of this share of the reference's mean is worth finding.

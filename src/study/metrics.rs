@@ -1,6 +1,6 @@
 //! The numbers of a run that settings are compared by, each declared once.
 
-use super::vehicles::Vehicles;
+use super::vehicles::{TIME_LOSS, Vehicles};
 use crate::run::{Spread, Summary};
 
 /// A time to collision below this is critical \[s\] (van der Horst and Hogema 1993).
@@ -36,9 +36,6 @@ pub struct Metric {
     /// The column of the table of vehicles that it averages; a vehicle with less of it is better.
     pub column: Option<&'static str>,
 }
-
-/// The column that SUMO's tripinfo has of vehicles that are no egos, too.
-pub const TIME_LOSS: &str = "timeloss";
 
 type Read = fn(Totals<'_>) -> Option<f64>;
 

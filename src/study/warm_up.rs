@@ -3,19 +3,9 @@
 //!
 //! A saved state is named after the hash of what makes it, so that a case that names it has an identity of its own.
 
-use super::error::StudyError;
-use super::plan::{Case, Plan};
-use super::work::Ended;
-use crate::output::file_error;
-use crate::run::Signals;
-use crate::sumo_files::{SumoSetup, saving, sumo_arguments};
+use crate::sumo_files::SumoSetup;
 use sha2::{Digest, Sha256};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
-use std::time::Instant;
-use tokio::process::Command;
-use tokio::task::JoinSet;
 
 /// One warm-up.
 #[derive(Debug, Clone)]
@@ -36,68 +26,4 @@ impl WarmUp {
         let name: String = hash[..8].iter().map(|byte| format!("{byte:02x}")).collect();
         Self { setup, until_s: *until_s, state: dir.join("warm_up").join(format!("{name}.xml.gz")) }
     }
-}
-
-/// Simulates the warm-ups of these cases that are not there.
-///
-/// # Errors
-/// [`StudyError::WarmUp`] with what SUMO said, if it cannot.
-pub fn warm_up(plan: &Plan, cases: &[&Case], jobs: usize, quiet: bool) -> Result<Ended, StudyError> {
-    let mut seen = BTreeSet::new();
-    let wanted = cases.iter().filter_map(|case| plan.warm_up(case)).filter(|w| seen.insert(w.state.clone()));
-    let todo: Vec<WarmUp> = wanted.filter(|warm_up| !warm_up.state.is_file()).collect();
-    if todo.is_empty() {
-        return Ok(Ended::All);
-    }
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-    runtime.block_on(async {
-        let (signals, started, all) = (Signals::watch(false)?, Instant::now(), todo.len());
-        let (mut running, mut ended) = (JoinSet::new(), 0);
-        let mut todo = todo.into_iter();
-        loop {
-            while running.len() < jobs.max(1)
-                && let Some(warm_up) = todo.next()
-            {
-                running.spawn(simulate(plan.sumo.path.clone(), warm_up));
-            }
-            let joined = tokio::select! {
-                joined = running.join_next() => joined,
-                // What is under way ends as it is dropped.
-                signal = signals.wait() => return Ok(Ended::Interrupted(signal)),
-            };
-            let Some(joined) = joined else { return Ok(Ended::All) };
-            let seed = joined.map_err(std::io::Error::from)??;
-            ended += 1;
-            if !quiet {
-                let took_s = started.elapsed().as_secs_f64();
-                eprintln!("[warm-up {ended}/{all}] seed {seed}: done after {took_s:.0} s");
-            }
-        }
-    })
-}
-
-/// Lets SUMO simulate, save its state, and end. The state takes its name when it is whole.
-async fn simulate(sumo: PathBuf, warm_up: WarmUp) -> Result<u64, StudyError> {
-    let WarmUp { setup, until_s, state } = warm_up;
-    let seed = setup.seed;
-    let folder = state.with_extension(format!("{}.part", std::process::id()));
-    let outputs = folder.join("sumo");
-    std::fs::create_dir_all(&outputs).map_err(file_error("create", &outputs))?;
-    let part = folder.join("state.xml.gz");
-    let options = setup.options.iter().cloned().chain(saving(until_s, &part)).collect();
-    let end = setup.end_s.unwrap_or(until_s).to_string();
-    let mut arguments = sumo_arguments(&SumoSetup { options, ..setup }, &folder)?.arguments;
-    arguments.extend(["--end".to_owned(), end]);
-    let mut command = Command::new(sumo);
-    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).kill_on_drop(true);
-    #[cfg(unix)]
-    command.process_group(0);
-    let output = command.output().await?;
-    if !output.status.success() || !part.is_file() {
-        let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
-        return Err(StudyError::WarmUp { seed, what: format!("{}: {said}", output.status) });
-    }
-    std::fs::rename(&part, &state).map_err(file_error("rename", &part))?;
-    std::fs::remove_dir_all(&folder).map_err(file_error("remove", &folder))?;
-    Ok(seed)
 }

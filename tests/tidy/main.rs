@@ -40,7 +40,7 @@ const COMMON_GROUND: &[&str] =
 
 /// Modules or files (path below src/ without `.rs`) that may name tokio.
 const MAY_USE_TOKIO: &[&str] =
-    &["traci/client", "traci/process", "cosim", "run", "doctor", "study/local", "cli", "main"];
+    &["traci/client", "traci/process", "cosim", "run", "doctor", "study/local", "study/warming", "cli", "main"];
 
 /// Modules or files that may touch files and clocks.
 const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[
