@@ -48,7 +48,6 @@ fn values(vehicle: &Vehicle) -> impl Iterator<Item = Option<f64>> {
 mod tests {
     use super::*;
     use crate::sumo_files::Trips;
-    use std::path::Path;
 
     fn read(table: &str, trips: &[(&str, f64, bool)]) -> Vehicles {
         let folder = tempfile::tempdir().unwrap();
@@ -82,7 +81,7 @@ mod tests {
         assert_eq!((error.count, error.better), (2, 1));
         assert!((error.difference - (0.25 - 0.3)).abs() < 1e-12);
         assert_eq!(found[place("timeloss_mean")], Pairs { count: 2, better: 1, difference: -3.0 });
-        assert_eq!(pairs[place("arrived")], Pairs::default());
+        assert_eq!(found[place("arrived")], Pairs::default());
         assert_eq!(pairs(&own, &own)[place("timeloss_mean")], Pairs { count: 3, better: 0, difference: 0.0 });
     }
 
