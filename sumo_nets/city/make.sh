@@ -24,3 +24,5 @@ python3 "$tools/randomTrips.py" -n city.net.xml -o trips.xml --begin 0 --end 600
 "$bin/duarouter" -n city.net.xml --route-files trips.xml --additional-files city.types.xml -o city.rou.xml --seed 23423 --no-warnings true --no-step-log true
 rm -f trips.xml city.rou.alt.xml routes.rou.xml
 clean city.net.xml city.rou.xml
+# The same traffic with SUMO's default imperfection of drivers.
+sed 's/ sigma="0"/ sigma="0.5"/' city.rou.xml > city_drivers.rou.xml
