@@ -11,6 +11,7 @@
 //! The tracking error is never shown alone. The reference is held near the true speed, which cuts large errors; so the
 //! RMS of V_x − v* and the share of steps in which the reference was held stand beside it.
 
+mod bars;
 mod bootstrap;
 mod case;
 mod collect;

@@ -122,7 +122,7 @@ pub struct RunArgs {
     /// Threads [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// End as after SIGTERM when standard input ends
+    /// End as after SIGTERM when standard input ends, and tell how far the run is
     #[arg(long, hide = true)]
     pub tied: bool,
     /// Print where the time of a step goes

@@ -16,7 +16,7 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Show a progress bar.
     pub progress: bool,
-    /// End as after SIGTERM when standard input ends.
+    /// End as after SIGTERM when standard input ends, and tell on standard output how far the run is.
     pub tied: bool,
 }
 
@@ -39,7 +39,7 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunEr
 
 async fn run_until(signals: &Signals, scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunError> {
     let mut session = Session::open_unless(scenario, &options.session, signals.wait()).await?;
-    let progress = Progress::new(options.progress, &session);
+    let progress = Progress::new(options.progress, options.tied, &session);
     while signals.raised().is_none() && !session.is_over() {
         tokio::select! {
             stepped = session.step() => stepped?,

@@ -3,15 +3,18 @@
 //! A case ends with us, however we end: it watches its standard input, whose other end is held here, and ends in order
 //! within a step when that is let go of. A kill closes it too.
 
+use super::bars::{Bars, advance};
 use super::case::{State, note_failure, prepare};
 use super::error::StudyError;
 use super::plan::Case;
 use super::work::{Ended, Work};
 use crate::run::{MANIFEST, RunError, Signals};
+use indicatif::ProgressBar;
 use std::collections::BTreeMap;
 use std::process::{Output, Stdio};
 use std::time::{Duration, Instant};
-use tokio::process::{ChildStdin, Command};
+use tokio::io::{AsyncBufReadExt, BufReader};
+use tokio::process::{ChildStdin, ChildStdout, Command};
 use tokio::task::JoinSet;
 
 /// How long the rest of a study that was killed may hold the folder of a case.
@@ -25,7 +28,8 @@ pub fn execute(work: &Work<'_>) -> Result<Ended, StudyError> {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
         let signals = Signals::watch(false)?;
-        let mut pool = Pool { work, running: JoinSet::new(), ties: BTreeMap::new(), ended: 0, started: Instant::now() };
+        let bars = Bars::new(work.cases.len(), work.quiet);
+        let mut pool = Pool { work, running: JoinSet::new(), ties: BTreeMap::new(), bars };
         for case in work.cases {
             while pool.running.len() >= work.jobs.max(1) && signals.raised().is_none() {
                 pool.one_ends(&signals).await?;
@@ -48,8 +52,7 @@ struct Pool<'a> {
     running: JoinSet<(usize, std::io::Result<Output>)>,
     /// The other ends of their standard inputs, by case.
     ties: BTreeMap<usize, ChildStdin>,
-    ended: usize,
-    started: Instant,
+    bars: Bars,
 }
 
 impl Pool<'_> {
@@ -66,14 +69,19 @@ impl Pool<'_> {
         let mut command = Command::new(self.work.program);
         command.args(["run", "--quiet", "--force", "--tied", "--threads", "1", "--from"]).arg(dir.join(MANIFEST));
         command.arg("-o").arg(&dir).env("SUMO_BINARY", &plan.sumo.path);
-        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // A terminal's Ctrl-C reaches us only, and they end with us.
         #[cfg(unix)]
         command.process_group(0);
         let mut child = command.spawn()?;
         let number = case.number;
         self.ties.extend(child.stdin.take().map(|tie| (number, tie)));
-        self.running.spawn(async move { (number, child.wait_with_output().await) });
+        let (bar, told) = (self.bars.start(plan, case), child.stdout.take());
+        self.running.spawn(async move {
+            let (output, ()) = tokio::join!(child.wait_with_output(), follow(told, &bar));
+            bar.finish_and_clear();
+            (number, output)
+        });
         Ok(())
     }
 
@@ -92,28 +100,28 @@ impl Pool<'_> {
         let case = &self.work.plan.cases[number - 1];
         if signals.raised().is_none() {
             note_failure(self.work.plan, case, &last_words(&output?))?;
-            self.ended += 1;
             self.tell(case);
         }
         Ok(())
     }
 
     fn tell(&self, case: &Case) {
-        let Work { plan, cases, quiet, .. } = self.work;
-        if *quiet {
-            return;
-        }
-        let (ended, all) = (self.ended, cases.len());
-        let left_s = self.started.elapsed().as_secs_f64() / ended as f64 * (all - ended) as f64;
+        let plan = self.work.plan;
         let state = match State::of(plan, case) {
             State::Failed(reason) => format!("failed: {reason}"),
             state => state.as_str().to_owned(),
         };
-        let (number, seed) = (case.number, case.seed);
-        eprintln!(
-            "[{ended}/{all}] case {number:04}, {}, seed {seed}: {state}; {left_s:.0} s left",
-            plan.shown(case.setting)
-        );
+        let (number, setting, seed) = (case.number, plan.shown(case.setting), case.seed);
+        self.bars.end(&format!("case {number:04}, {setting}, seed {seed}: {state}"));
+    }
+}
+
+/// Shows how far a case says it is, until it says no more.
+async fn follow(told: Option<ChildStdout>, bar: &ProgressBar) {
+    let Some(told) = told else { return };
+    let mut lines = BufReader::new(told).lines();
+    while let Ok(Some(line)) = lines.next_line().await {
+        advance(bar, &line);
     }
 }
 

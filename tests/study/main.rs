@@ -54,7 +54,9 @@ fn a_controller_differs_from_itself_by_nothing_at_all() {
     assert!(own.iter().all(|row| row["diff"].is_empty()));
     let loss = again.iter().find(|row| row["metric"] == "timeloss_mean").unwrap();
     assert!(number(loss, "completed") > 30.0 && number(loss, "ci95") > 0.0, "seeds differ, vehicles arrive: {loss:?}");
-    for row in again {
+    let measured = again.iter().filter(|row| row["seeds"] != "0");
+    assert!(measured.clone().count() > 20, "all but conflicts and string stability, which nobody asked for");
+    for row in measured {
         assert_eq!((number(row, "diff"), number(row, "diff_ci95"), &*row["p_holm"]), (0.0, 0.0, ""), "{row:?}");
         let zero = |column: &str| row[column].is_empty() || number(row, column) == 0.0;
         assert!(zero("completed_diff") && zero("share_better"), "{row:?}");
