@@ -3,31 +3,36 @@
 //! A case ends with us, however we end: it watches its standard input, whose other end is held here, and ends in order
 //! within a step when that is let go of. A kill closes it too.
 
-use super::case::{State, note_failure, prepare};
+use super::case::{LINGER, State, note_failure, prepare};
 use super::error::StudyError;
 use super::plan::Case;
+use super::process;
+use super::warming::warm_up;
 use super::work::{Ended, Work};
-use crate::run::{MANIFEST, RunError, Signals};
+use crate::run::{RunError, Signals};
 use std::collections::BTreeMap;
-use std::process::{Output, Stdio};
+use std::process::Output;
 use std::time::{Duration, Instant};
 use tokio::process::{ChildStdin, Command};
 use tokio::task::JoinSet;
-
-/// How long the rest of a study that was killed may hold the folder of a case.
-const LINGER: Duration = Duration::from_secs(20);
 
 /// Runs the cases.
 ///
 /// # Errors
 /// [`StudyError`] if no processes can be started, or a folder cannot be written. A case that fails is no error.
 pub fn execute(work: &Work<'_>) -> Result<Ended, StudyError> {
+    work.plan.write()?;
+    let jobs = work.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let warmed = warm_up(work.plan, work.cases, jobs, work.quiet)?;
+    if warmed != Ended::All {
+        return Ok(warmed);
+    }
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
         let signals = Signals::watch(false)?;
         let mut pool = Pool { work, running: JoinSet::new(), ties: BTreeMap::new(), ended: 0, started: Instant::now() };
         for case in work.cases {
-            while pool.running.len() >= work.jobs.max(1) && signals.raised().is_none() {
+            while pool.running.len() >= jobs && signals.raised().is_none() {
                 pool.one_ends(&signals).await?;
             }
             if signals.raised().is_some() {
@@ -55,18 +60,15 @@ struct Pool<'a> {
 impl Pool<'_> {
     async fn start(&mut self, case: &Case) -> Result<(), StudyError> {
         let plan = self.work.plan;
-        let deadline = Instant::now() + LINGER;
-        while let Err(error) = prepare(plan, case) {
+        let dir = plan.case_dir(case);
+        let (planned, deadline) = (plan.manifest(case), Instant::now() + LINGER);
+        while let Err(error) = prepare(&dir, &planned) {
             if !matches!(error, RunError::Busy { .. }) || Instant::now() > deadline {
                 return Err(error.into());
             }
             tokio::time::sleep(Duration::from_millis(100)).await;
         }
-        let dir = plan.case_dir(case);
-        let mut command = Command::new(self.work.program);
-        command.args(["run", "--quiet", "--force", "--tied", "--threads", "1", "--from"]).arg(dir.join(MANIFEST));
-        command.arg("-o").arg(&dir).env("SUMO_BINARY", &plan.sumo.path);
-        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut command = Command::from(process::command(self.work.program, &plan.sumo.path, &dir));
         // A terminal's Ctrl-C reaches us only, and they end with us.
         #[cfg(unix)]
         command.process_group(0);
@@ -91,7 +93,8 @@ impl Pool<'_> {
         self.ties.remove(&number);
         let case = &self.work.plan.cases[number - 1];
         if signals.raised().is_none() {
-            note_failure(self.work.plan, case, &last_words(&output?))?;
+            let (dir, planned) = (self.work.plan.case_dir(case), self.work.plan.manifest(case));
+            note_failure(&dir, &planned, &process::last_words(&output?))?;
             self.ended += 1;
             self.tell(case);
         }
@@ -115,11 +118,4 @@ impl Pool<'_> {
             plan.shown(case.setting)
         );
     }
-}
-
-/// Why a process has ended that did not say so itself.
-fn last_words(output: &Output) -> String {
-    let said = String::from_utf8_lossy(&output.stderr);
-    let said: Vec<&str> = said.split_whitespace().collect();
-    format!("{}: {}", output.status, said.join(" ")).trim_end_matches([':', ' ']).to_owned()
 }
