@@ -55,7 +55,7 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     };
     let ended = (executor.execute)(&work)?;
     if let Ended::Queued(jobs) = ended {
-        return queued(&plan, &jobs, args.quiet);
+        return queued(&plan, todo.len(), &jobs, args.quiet);
     }
     if let Ended::Interrupted(signal) = ended {
         let done = plan.cases.iter().filter(|case| State::of(&plan, case) == State::Done).count();
@@ -82,12 +82,12 @@ fn collecting() -> Vec<OsString> {
 }
 
 /// Prints the numbers of the jobs, and how to go on.
-fn queued(plan: &Plan, jobs: &[String], quiet: bool) -> miette::Result<ExitCode> {
+fn queued(plan: &Plan, cases: usize, jobs: &[String], quiet: bool) -> miette::Result<ExitCode> {
     if !quiet {
-        let last = jobs.last().map_or("", String::as_str);
+        let (cases, last) = (counted(cases, "case"), jobs.last().map_or("", String::as_str));
         eprintln!(
-            "job {last} writes the tables into {} when the others have ended; the same command with --status tells how far \
-             they are, scancel stops them",
+            "{cases} in the queue; job {last} writes the tables into {} when the others have ended; the same command with \
+             --status tells how far they are, scancel stops them",
             plan.dir.display()
         );
     }
@@ -123,8 +123,10 @@ fn tables(plan: &Plan, quiet: bool) -> miette::Result<ExitCode> {
 /// What failed is in the tables, and no success.
 fn failures(failed: usize) -> miette::Result<ExitCode> {
     if failed > 0 {
-        let cases = if failed == 1 { "case" } else { "cases" };
-        return Err(miette::miette!("{failed} {cases} failed; --status says why, and the same command tries again"));
+        return Err(miette::miette!(
+            "{} failed; --status says why, and the same command tries again",
+            counted(failed, "case")
+        ));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -173,6 +175,11 @@ fn told(state: State, standing: Option<&Standing>) -> (&'static str, String) {
         (Some(Standing::Uncertain), State::Missing) => ("uncertain", String::new()),
         (_, State::Done | State::Missing) => (state.as_str(), String::new()),
     }
+}
+
+/// A number of things.
+fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// `I/N` as two numbers.

@@ -33,8 +33,9 @@ pub fn execute(work: &Work<'_>) -> Result<Ended, StudyError> {
     let folder = work.plan.dir.join("slurm");
     let new = !folder.exists();
     std::fs::create_dir_all(&folder).map_err(file_error("create", &folder))?;
-    let _lock = lock(&folder, &work.plan.dir)?;
-    let submitted = Desk::open(work)?.submit(largest);
+    let lock = lock(&folder, &work.plan.dir)?;
+    let submitted = Desk::open(work).and_then(|desk| desk.submit(largest));
+    drop(lock);
     if submitted.is_err() && new {
         // A refused study leaves nothing behind; what is not empty stays.
         let _ = std::fs::remove_dir(&folder).and_then(|()| std::fs::remove_dir(&work.plan.dir));
