@@ -164,12 +164,13 @@ const DONE: &str = "done";
 /// The words for cases; the first three are always counted.
 const WORDS: [&str; 6] = [DONE, "failed", "missing", "running", "pending", "uncertain"];
 
-/// The word for a case, from its folder and what a scheduler knows, and the reason if it failed.
+/// The word for a case, from its folder and what a scheduler knows, and the reason if it failed. A task that was stopped
+/// may have seen SUMO die first; that its task was stopped is the better reason.
 fn told(state: State, standing: Option<&Standing>) -> (&'static str, String) {
     match (standing, &state) {
         (Some(Standing::Running), _) => ("running", String::new()),
         (Some(Standing::Pending), _) => ("pending", String::new()),
-        (_, State::Failed(reason)) | (Some(Standing::Lost(reason)), State::Missing) => {
+        (Some(Standing::Lost(reason)), State::Missing | State::Failed(_)) | (_, State::Failed(reason)) => {
             ("failed", format!(": {reason}"))
         }
         (Some(Standing::Uncertain), State::Missing) => ("uncertain", String::new()),
