@@ -41,10 +41,7 @@ fn wrong_arguments_are_refused() {
             "found 3, wanted one of the values of controller.k_p: 1, 2",
         ),
         (&["--reference", "controller.k_p=3"], "found 3, wanted a key that is varied"),
-        (
-            &["--executor", "slrm"],
-            "unknown executor \"slrm\" (did you mean \"slurm\"?); known: local, slurm",
-        ),
+        (&["--executor", "slrm"], "unknown executor \"slrm\" (did you mean \"slurm\"?); known: local, slurm"),
         (
             &["--executor", "slurm", "--slurm", "partiton=night"],
             "--slurm partiton=night: unknown key slurm.partiton; did you mean slurm.partition?",
