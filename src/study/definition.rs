@@ -2,7 +2,7 @@
 //! becomes one table of entries with their places, read in one way.
 
 use super::seeds::parse_seeds;
-use super::slurm_keys::SlurmKeys;
+use super::slurm::SlurmKeys;
 use super::values::{argument, values};
 use crate::keys;
 use crate::keys::{Key, Keys, Kind};

@@ -9,11 +9,13 @@
 //! its name, which no other job has.
 
 mod command;
+mod keys;
 mod queue;
 mod submission;
 mod submit;
 mod task;
 
+pub use keys::SlurmKeys;
 pub use queue::standing;
 pub use submit::execute;
 pub use task::run_task;

@@ -2,7 +2,7 @@
 
 use super::error::StudyError;
 use super::plan::{Case, Plan};
-use super::slurm_keys::SlurmKeys;
+use super::slurm::SlurmKeys;
 use crate::run::Signal;
 use std::collections::BTreeMap;
 use std::ffi::OsString;

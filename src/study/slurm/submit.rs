@@ -2,10 +2,10 @@
 
 use super::super::error::StudyError;
 use super::super::plan::Case;
-use super::super::slurm_keys::SlurmKeys;
 use super::super::warming::warm_up;
 use super::super::work::{Ended, Standing, Work};
 use super::command::{Row, cancel, queue, submit, tasks_of_array};
+use super::keys::SlurmKeys;
 use super::queue::{of_rows, standing};
 use super::submission::{Submission, Submissions};
 use crate::output::file_error;
@@ -14,6 +14,8 @@ use std::fs::{File, TryLockError};
 use std::path::Path;
 use std::time::Duration;
 
+/// Warm-ups at the same time: they run where the call does, on a login node that many share.
+const WARM_UPS: usize = 2;
 /// Time between two questions while we stay.
 const PERIOD: Duration = Duration::from_secs(2);
 /// So many questions may be unanswered in a row: controllers are restarted.
@@ -26,7 +28,7 @@ const UNANSWERED: usize = 100;
 pub fn execute(work: &Work<'_>) -> Result<Ended, StudyError> {
     let largest = tasks_of_array()?;
     // One simulation per seed, for all cases of it: too little for jobs of its own.
-    let warmed = warm_up(work.plan, work.cases, work.jobs.unwrap_or(1), work.quiet)?;
+    let warmed = warm_up(work.plan, work.cases, WARM_UPS, work.quiet)?;
     if warmed != Ended::All {
         return Ok(warmed);
     }
