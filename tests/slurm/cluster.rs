@@ -21,6 +21,9 @@ pub struct Cluster {
 impl Cluster {
     /// Starts one with this MaxArraySize; `None` if there is no Slurm and none is required.
     pub fn start(max_array_size: usize) -> Option<Self> {
+        if !repository(".ci").exists() {
+            return skipped("a packaged crate has no .ci/slurm");
+        }
         let cluster = Self { folder: tempfile::tempdir().unwrap() };
         let id = std::process::id().to_string();
         let folder = cluster.folder().join("slurm");
@@ -31,10 +34,7 @@ impl Cluster {
         let said = String::from_utf8_lossy(&started.stderr).into_owned();
         let absent = said.contains("Slurm is missing") || said.contains("needs root");
         assert!(absent && std::env::var_os(REQUIRED).is_none(), "{said}");
-        // Not through eprintln!, which is captured.
-        let line = format!("skipped, because there is no Slurm here: {}\n", said.trim());
-        std::io::stderr().write_all(line.as_bytes()).unwrap();
-        None
+        skipped(said.trim())
     }
 
     /// For results.
@@ -102,6 +102,13 @@ impl Drop for Cluster {
             script(["stop".as_ref(), folder.as_os_str(), OsStr::new("")], 0);
         }
     }
+}
+
+fn skipped(why: &str) -> Option<Cluster> {
+    // Not through eprintln!, which is captured.
+    let line = format!("skipped, because there is no Slurm here: {why}\n");
+    std::io::stderr().write_all(line.as_bytes()).unwrap();
+    None
 }
 
 fn script(args: [&OsStr; 3], max_array_size: usize) -> Output {

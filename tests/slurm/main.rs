@@ -168,18 +168,20 @@ fn a_call_that_is_killed_while_it_submits_leaves_nothing_that_runs_twice() {
     let args = ["--seeds", "1..2", "--end", "20"];
     let wanted = wanted(cluster.folder(), &args, 4);
     let status = |dir: &Path| cluster.sweep(dir, &[&args[..], &["--status"]].concat()).stdout;
+    // The tasks run three cases and one.
+    let per_task = [&args[..], &["--slurm", "cases_per_task=3"]].concat();
     for (taken, script) in
         [(false, "kill -KILL $PPID"), (true, "/usr/bin/sbatch --begin=now+2 \"$@\" >/dev/null; kill -KILL $PPID")]
     {
         let dir = cluster.folder().join(format!("taken {taken}"));
-        let killed = cluster.sweep_with_sbatch(script, &dir, &args);
+        let killed = cluster.sweep_with_sbatch(script, &dir, &per_task);
         assert_eq!(killed.code, None, "{}", killed.stderr);
         let intent = json_of(&dir, "0001").unwrap();
-        assert_eq!((&intent["job"], intent["tasks"].as_array().unwrap().len()), (&serde_json::Value::Null, 4));
+        assert!(intent["job"].is_null() && intent["tasks"] == serde_json::json!([[1, 2, 3], [4]]), "{intent}");
         let told = status(&dir);
         let word = if taken { "4 pending" } else { "4 uncertain" };
         assert!(told.contains(&format!("0 done, 0 failed, 0 missing, {word}\n")), "{told}");
-        let ended = cluster.sweep(&dir, &[&args[..], &["--wait"]].concat());
+        let ended = cluster.sweep(&dir, &[&per_task[..], &["--wait"]].concat());
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
         assert_eq!(tables(&dir), wanted);
         // The job that Slurm has taken is found by its name, and the other one is replaced.
