@@ -37,12 +37,13 @@ fn local(dir: &Path, args: &[&str]) -> Ended {
 }
 
 /// The bytes of all that a study ends with.
-fn tables(dir: &Path) -> [Vec<u8>; 4] {
-    ["cases.csv", "comparison.csv", "study.json", "schema.json"].map(|name| fs::read(dir.join(name)).unwrap())
+fn tables(dir: &Path) -> [Vec<u8>; 5] {
+    ["cases.csv", "comparison.csv", "vehicles.parquet", "study.json", "schema.json"]
+        .map(|name| fs::read(dir.join(name)).unwrap())
 }
 
 /// What a user with all the time in the world gets.
-fn wanted(folder: &Path, args: &[&str], cases: usize) -> [Vec<u8>; 4] {
+fn wanted(folder: &Path, args: &[&str], cases: usize) -> [Vec<u8>; 5] {
     let dir = folder.join("local");
     let ended = local(&dir, args);
     assert_eq!(ended.code, Some(0), "{}", ended.stderr);
