@@ -50,6 +50,7 @@ pub fn main(catalog: &Catalog) -> ExitCode {
         Command::Paper(args) => paper_tests(args),
         Command::List => print(&catalog.lines()),
         Command::Doctor => doctor(),
+        Command::SlurmTask(args) => study::slurm_task(&args),
     };
     done.unwrap_or_else(|report| {
         eprintln!("{report:?}");

@@ -35,6 +35,9 @@ pub enum Command {
     List,
     /// Find SUMO, make one real step, and check the coupling
     Doctor,
+    /// Run the cases of one task of a job array, which the executor slurm has submitted
+    #[command(hide = true)]
+    SlurmTask(SlurmTaskArgs),
 }
 
 /// Which scenario, and what is different from its file.
@@ -153,9 +156,15 @@ pub struct StudyArgs {
     /// Cases at the same time [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
-    /// Who runs the cases: local
+    /// Who runs the cases: local, or slurm (job arrays; returns when they are submitted)
     #[arg(long, value_name = "NAME", default_value = "local")]
     pub executor: String,
+    /// What Slurm is asked for: partition, account, time, memory, throttle, cases_per_task, sbatch (further arguments)
+    #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
+    pub slurm: Vec<String>,
+    /// Stay until all cases have ended, also where Slurm runs them
+    #[arg(long)]
+    pub wait: bool,
     /// Run only every Nth case, from the Ith on; --collect makes the tables when all are there
     #[arg(long, value_name = "I/N")]
     pub shard: Option<String>,
@@ -177,6 +186,15 @@ pub struct StudyArgs {
     /// Only errors
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// `slurm-task`.
+#[derive(Debug, Args)]
+pub struct SlurmTaskArgs {
+    /// What was submitted: slurm/NNNN.json in the folder of the study
+    pub intent: PathBuf,
+    /// The name of the job
+    pub name: String,
 }
 
 /// `sweep`.
@@ -224,6 +242,7 @@ impl StudyArgs {
             seeds: self.seeds.clone(),
             warm_up: self.warm_up.clone(),
             bootstrap: self.bootstrap.clone(),
+            slurm: self.slurm.clone(),
             ..Arguments::default()
         }
     }

@@ -1,26 +1,36 @@
 //! `sweep` and `compare`.
 
-use std::process::ExitCode;
+use std::{collections::BTreeMap, ffi::OsString, process::ExitCode};
 
-use super::{arguments::StudyArgs, notes, print};
+use super::{
+    arguments::{SlurmTaskArgs, StudyArgs},
+    notes, print,
+};
 use crate::{
     registry::find,
     scenario::Catalog,
     study::{
-        Arguments, Case, Definition, EXECUTORS, Ended, Plan, State, StudyError, Work, advice, collect, terminal_table,
-        warm_up,
+        Arguments, Case, Definition, EXECUTORS, Ended, Plan, Standing, State, StudyError, Work, advice, collect,
+        run_task, terminal_table,
     },
 };
 
 /// Plans a study, runs what is not done, and prints the table.
 pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miette::Result<ExitCode> {
-    let execute = find("executor", EXECUTORS, &args.executor).map_err(StudyError::from)?.build;
+    let executor = find("executor", EXECUTORS, &args.executor).map_err(StudyError::from)?.build;
+    if args.executor != "slurm" && !args.slurm.is_empty() {
+        miette::bail!("--slurm: found the executor {}, wanted --executor slurm with it", args.executor);
+    }
+    if args.executor == "slurm" && args.shard.is_some() {
+        miette::bail!("--shard: found the executor slurm, which divides the cases itself; wanted one of the two");
+    }
     let shard = args.shard.as_deref().map(shard).transpose()?;
     let definition = Definition::read(&arguments)?;
     let plan = Plan::new(&definition, args.out.clone(), catalog)?;
     let mine = |case: &&Case| shard.is_none_or(|(i, n)| case.number % n == i % n);
     if args.plan || args.status {
-        return print(&listed(&plan, mine, args.status));
+        let standing = if args.status { (executor.standing)(&plan)? } else { BTreeMap::new() };
+        return print(&listed(&plan, mine, args.status, &standing));
     }
     if args.collect {
         return tables(&plan, args.quiet);
@@ -29,15 +39,23 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
         notes(&plan.settings[0].scenario.notes);
         notes(advice(plan.seeds.len()).as_slice());
     }
-    plan.write().map_err(StudyError::from)?;
     let todo: Vec<&Case> =
         plan.cases.iter().filter(mine).filter(|case| args.force || State::of(&plan, case) != State::Done).collect();
     let program = std::env::current_exe().map_err(StudyError::from)?;
-    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
-    let jobs = args.jobs.map_or_else(cores, usize::from);
-    let mut ended = warm_up(&plan, &todo, jobs, args.quiet)?;
-    if ended == Ended::All {
-        ended = execute(&Work { plan: &plan, cases: &todo, jobs, program: &program, quiet: args.quiet })?;
+    let work = Work {
+        plan: &plan,
+        cases: &todo,
+        jobs: args.jobs.map(usize::from),
+        program: &program,
+        tables: &collecting(),
+        force: args.force,
+        wait: args.wait,
+        slurm: &definition.slurm,
+        quiet: args.quiet,
+    };
+    let ended = (executor.execute)(&work)?;
+    if let Ended::Queued(jobs) = ended {
+        return queued(&plan, todo.len(), &jobs, args.quiet);
     }
     if let Ended::Interrupted(signal) = ended {
         let done = plan.cases.iter().filter(|case| State::of(&plan, case) == State::Done).count();
@@ -56,6 +74,40 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     failures(failed)
 }
 
+/// The arguments of this call, changed so that they write the tables.
+fn collecting() -> Vec<OsString> {
+    let mut arguments = std::env::args_os().skip(1);
+    let subcommand = arguments.next();
+    subcommand.into_iter().chain(["--collect".into()]).chain(arguments).collect()
+}
+
+/// Prints the numbers of the jobs, and how to go on.
+fn queued(plan: &Plan, cases: usize, jobs: &[String], quiet: bool) -> miette::Result<ExitCode> {
+    if !quiet {
+        let (cases, last) = (counted(cases, "case"), jobs.last().map_or("", String::as_str));
+        eprintln!(
+            "{cases} in the queue; job {last} writes the tables into {} when the others have ended; the same command with \
+             --status tells how far they are, scancel stops them",
+            plan.dir.display()
+        );
+    }
+    print(&format!("{}\n", jobs.join(" ")))
+}
+
+/// Runs one task of a job array.
+pub fn slurm_task(args: &SlurmTaskArgs) -> miette::Result<ExitCode> {
+    const INDEX: &str = "SLURM_ARRAY_TASK_ID";
+    let index = std::env::var(INDEX).ok().and_then(|index| index.parse().ok());
+    let index =
+        index.ok_or_else(|| miette::miette!("{INDEX} is not set: Slurm sets it for the tasks of job arrays"))?;
+    let program = std::env::current_exe().map_err(StudyError::from)?;
+    let failed = run_task(&args.intent, &args.name, index, &program)?;
+    for reason in &failed {
+        eprintln!("{reason}");
+    }
+    Ok(ExitCode::from(u8::from(!failed.is_empty())))
+}
+
 /// Writes and prints the tables.
 fn tables(plan: &Plan, quiet: bool) -> miette::Result<ExitCode> {
     let tables = collect(plan)?;
@@ -71,43 +123,64 @@ fn tables(plan: &Plan, quiet: bool) -> miette::Result<ExitCode> {
 /// What failed is in the tables, and no success.
 fn failures(failed: usize) -> miette::Result<ExitCode> {
     if failed > 0 {
-        let cases = if failed == 1 { "case" } else { "cases" };
-        return Err(miette::miette!("{failed} {cases} failed; --status says why, and the same command tries again"));
+        return Err(miette::miette!(
+            "{} failed; --status says why, and the same command tries again",
+            counted(failed, "case")
+        ));
     }
     Ok(ExitCode::SUCCESS)
 }
 
 /// One line per case, what they come to, and how long those take that are left; with `open`, only cases that are not done.
-fn listed(plan: &Plan, mine: impl Fn(&&Case) -> bool, open: bool) -> String {
-    let (mut text, mut counts, mut wall_s) = (String::new(), [0_usize; 3], 0.0);
+fn listed(plan: &Plan, mine: impl Fn(&&Case) -> bool, open: bool, standing: &BTreeMap<usize, Standing>) -> String {
+    let (mut text, mut wall_s, mut cases) = (String::new(), 0.0, 0);
+    let mut counts = WORDS.map(|word| (word, 0_usize));
     for case in plan.cases.iter().filter(mine) {
-        let state = State::of(plan, case);
-        let reason = if let State::Failed(reason) = &state { format!(": {reason}") } else { String::new() };
-        counts[match state {
-            State::Done => 0,
-            State::Failed(_) => 1,
-            State::Missing => 2,
-        }] += 1;
+        let (word, reason) = told(State::of(plan, case), standing.get(&case.number));
+        cases += 1;
+        counts.iter_mut().filter(|(known, _)| *known == word).for_each(|(_, count)| *count += 1);
         wall_s += plan.wall_s(case).unwrap_or(0.0);
-        if !open || state != State::Done {
+        if !open || word != DONE {
             let (setting, seed) = (plan.shown(case.setting), case.seed);
-            text += &format!("{:04}\t{setting}\tseed {seed}\t{}{reason}\n", case.number, state.as_str());
+            text += &format!("{:04}\t{setting}\tseed {seed}\t{word}{reason}\n", case.number);
         }
     }
-    let [done, failed, missing] = counts;
-    text += &format!(
-        "{} cases in {}: {done} done, {failed} failed, {missing} missing\n",
-        done + failed + missing,
-        plan.dir.display()
-    );
-    if done > 0 && failed + missing > 0 {
+    // A scheduler's words are told where there is one.
+    let counted = counts.iter().enumerate().filter(|(k, (_, count))| *k < 3 || *count > 0);
+    let counted: Vec<String> = counted.map(|(_, (word, count))| format!("{count} {word}")).collect();
+    text += &format!("{cases} cases in {}: {}\n", plan.dir.display(), counted.join(", "));
+    let done = counts[0].1;
+    if done > 0 && done < cases {
         let each_s = wall_s / done as f64;
-        let left_s = each_s * (failed + missing) as f64;
+        let left_s = each_s * (cases - done) as f64;
         text += &format!(
             "{each_s:.1} s for each of those done: {left_s:.0} s for the others, shared by as many as run at a time\n"
         );
     }
     text
+}
+
+const DONE: &str = "done";
+/// The words for cases; the first three are always counted.
+const WORDS: [&str; 6] = [DONE, "failed", "missing", "running", "pending", "uncertain"];
+
+/// The word for a case, from its folder and what a scheduler knows, and the reason if it failed. A task that was stopped
+/// may have seen SUMO die first; that its task was stopped is the better reason.
+fn told(state: State, standing: Option<&Standing>) -> (&'static str, String) {
+    match (standing, &state) {
+        (Some(Standing::Running), _) => ("running", String::new()),
+        (Some(Standing::Pending), _) => ("pending", String::new()),
+        (Some(Standing::Lost(reason)), State::Missing | State::Failed(_)) | (_, State::Failed(reason)) => {
+            ("failed", format!(": {reason}"))
+        }
+        (Some(Standing::Uncertain), State::Missing) => ("uncertain", String::new()),
+        (_, State::Done | State::Missing) => (state.as_str(), String::new()),
+    }
+}
+
+/// A number of things.
+fn counted(number: usize, thing: &str) -> String {
+    format!("{number} {thing}{}", if number == 1 { "" } else { "s" })
 }
 
 /// `I/N` as two numbers.

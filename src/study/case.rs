@@ -3,6 +3,8 @@
 use super::plan::{Case, Plan};
 use crate::output::{OutputError, write_json};
 use crate::run::{MANIFEST, Manifest, ResultDir, RunError, Signal, Status};
+use std::path::Path;
+use std::time::Duration;
 
 /// How far a case is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,9 +29,13 @@ impl State {
 
     /// How far a case is.
     pub fn of(plan: &Plan, case: &Case) -> Self {
-        let dir = plan.case_dir(case);
+        Self::read(&plan.case_dir(case), &case.identity, &plan.sumo_version)
+    }
+
+    /// How far the case in a folder is that has this [identity](Manifest::identity).
+    pub fn read(dir: &Path, identity: &str, sumo_version: &str) -> Self {
         let Ok(manifest) = Manifest::read(&dir.join(MANIFEST)) else { return Self::Missing };
-        if manifest.identity(&plan.sumo_version) != case.identity {
+        if manifest.identity(sumo_version) != identity {
             return Self::Missing;
         }
         match manifest.status {
@@ -41,15 +47,23 @@ impl State {
             Status::Complete | Status::Planned | Status::Running => Self::Missing,
         }
     }
+
+    /// How far the case in a folder is that was planned so.
+    pub fn of_planned(dir: &Path, planned: &Manifest) -> Self {
+        let sumo_version = planned.sumo_version.as_deref().unwrap_or_default();
+        Self::read(dir, &planned.identity(sumo_version), sumo_version)
+    }
 }
+
+/// How long the rest of a study that was killed may hold the folder of a case.
+pub const LINGER: Duration = Duration::from_secs(20);
 
 /// Makes the folder of a case ready: `run.json` says what is to be run, and nothing is left of an earlier attempt.
 ///
 /// # Errors
 /// [`RunError::Busy`] if somebody else runs it at this moment.
-pub fn prepare(plan: &Plan, case: &Case) -> Result<(), RunError> {
-    let dir = ResultDir::create(&plan.case_dir(case), true)?;
-    dir.write_manifest(&plan.manifest(case))?;
+pub fn prepare(dir: &Path, planned: &Manifest) -> Result<(), RunError> {
+    ResultDir::create(dir, true)?.write_manifest(planned)?;
     Ok(())
 }
 
@@ -57,11 +71,11 @@ pub fn prepare(plan: &Plan, case: &Case) -> Result<(), RunError> {
 ///
 /// # Errors
 /// [`OutputError::File`] if `run.json` cannot be written.
-pub fn note_failure(plan: &Plan, case: &Case, reason: &str) -> Result<(), OutputError> {
-    if State::of(plan, case) != State::Missing {
+pub fn note_failure(dir: &Path, planned: &Manifest, reason: &str) -> Result<(), OutputError> {
+    if State::of_planned(dir, planned) != State::Missing {
         return Ok(());
     }
     let reason = Some(reason.to_owned());
-    let manifest = Manifest { status: Status::Incomplete, reason, ..plan.manifest(case) };
-    write_json(&plan.case_dir(case).join(MANIFEST), &manifest).map(drop)
+    let manifest = Manifest { status: Status::Incomplete, reason, ..planned.clone() };
+    write_json(&dir.join(MANIFEST), &manifest).map(drop)
 }

@@ -2,9 +2,10 @@
 //! becomes one table of entries with their places, read in one way.
 
 use super::seeds::parse_seeds;
+use super::slurm::SlurmKeys;
 use super::values::{argument, values};
 use crate::keys;
-use crate::keys::Keys;
+use crate::keys::{Key, Keys, Kind};
 use crate::place::Place;
 use crate::scenario::{Entry, Mistake, Node, Reader, Request, ScenarioError, Table, Wrong, names, read};
 use std::path::{Path, PathBuf};
@@ -50,6 +51,8 @@ pub struct Arguments {
     pub reference: Vec<String>,
     /// Controllers that are compared with the first.
     pub controllers: Vec<String>,
+    /// `KEY=V` of the table `[slurm]`.
+    pub slurm: Vec<String>,
 }
 
 /// Keys that vary together: row by row, a literal per key.
@@ -82,6 +85,8 @@ pub struct Definition {
     pub axes: Vec<Axis>,
     /// Whether two settings may be the same: a controller is compared with itself to see that nothing else differs.
     pub twins: bool,
+    /// What Slurm is asked for, should it run the cases.
+    pub slurm: SlurmKeys,
 }
 
 impl Definition {
@@ -105,10 +110,12 @@ impl Definition {
         let from_file = name.is_some();
         add_arguments(&mut root, arguments);
         let mut reader = Reader::default();
-        reader.known("", &root, &names(&["vary", "reference"], StudyKeys::keys()));
+        reader.known("", &root, &names(&["vary", "reference", "slurm"], StudyKeys::keys()));
         let keys = StudyKeys::from_values(&reader.values("", &root, StudyKeys::keys(), false).values);
         let mut axes = read_axes(&mut reader, &root);
         read_reference(&mut reader, &root, &mut axes);
+        let slurm = reader.section(&root, "slurm", "slurm");
+        let slurm = reader.keys("slurm", &slurm);
         if from_file && !root.contains_key("scenario") {
             let place = root.values().next().map_or_else(|| Place::argument("study"), |entry| entry.place.clone());
             let what = Wrong::Value { found: "nothing".to_owned(), wanted: "the scenario that is varied".to_owned() };
@@ -124,6 +131,7 @@ impl Definition {
             bootstrap: keys.bootstrap,
             axes,
             twins: !arguments.controllers.is_empty(),
+            slurm,
         })
     }
 
@@ -151,17 +159,29 @@ fn add_arguments(root: &mut Table, arguments: &Arguments) {
             root.insert(key.to_owned(), entry(&format!("{flag} {given}"), &node));
         }
     }
-    let pair = |flag: &str, given: &str, node: fn(&str, &Place) -> Node| {
+    let pair = |flag: &str, given: &str, node: &dyn Fn(&str, &Place) -> Node| {
         let (key, value) = given.split_once('=').unwrap_or((given, ""));
         let value = entry(&format!("{flag} {given}"), &|place| node(value.trim(), place));
         (key.trim().to_owned(), value)
     };
-    let mut vary: Vec<(String, Entry)> = arguments.vary.iter().map(|v| pair("--vary", v, argument)).collect();
+    for given in &arguments.slurm {
+        let (key, value) = pair("--slurm", given, &|text, place| match Node::of_argument(text, place) {
+            list @ Node::List(_) => list,
+            number @ Node::Integer(_) if numeric(given) => number,
+            _ => Node::Text(text.to_owned()),
+        });
+        let place = value.place.clone();
+        let all = root.entry("slurm".to_owned()).or_insert_with(|| Entry { node: Node::Table(Table::new()), place });
+        if let Node::Table(table) = &mut all.node {
+            table.insert(key, value);
+        }
+    }
+    let mut vary: Vec<(String, Entry)> = arguments.vary.iter().map(|v| pair("--vary", v, &argument)).collect();
     let mut reference: Vec<(String, Entry)> =
-        arguments.reference.iter().map(|r| pair("--reference", r, Node::of_argument)).collect();
+        arguments.reference.iter().map(|r| pair("--reference", r, &Node::of_argument)).collect();
     if let Some(first) = arguments.controllers.first() {
         let list = format!("controller.name={}", arguments.controllers.join(","));
-        let (key, mut all) = pair("--controllers", &list, argument);
+        let (key, mut all) = pair("--controllers", &list, &argument);
         all.place = Place::argument(&format!("--controllers {}", arguments.controllers.join(",")));
         let node = Node::Text(first.clone());
         reference.push((key.clone(), Entry { node, place: all.place.clone() }));
@@ -179,6 +199,12 @@ fn add_arguments(root: &mut Table, arguments: &Arguments) {
         let place = first.place.clone();
         root.insert("reference".to_owned(), Entry { node: Node::Table(reference.into_iter().collect()), place });
     }
+}
+
+/// Whether an argument `KEY=V` is of a key of Slurm's that takes a number. Other keys take what looks like one as a text.
+fn numeric(given: &str) -> bool {
+    let is_key = |key: &Key| given.split('=').next() == Some(key.name);
+    SlurmKeys::keys().iter().any(|key| is_key(key) && matches!(key.kind, Kind::Integer { .. }))
 }
 
 /// The tables `[[vary]]`.

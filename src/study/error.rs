@@ -46,6 +46,30 @@ pub enum StudyError {
     /// There is no such executor.
     #[error(transparent)]
     Executor(#[from] UnknownName),
+    /// A command of the scheduler cannot be started.
+    #[error("executor slurm: cannot start {program} ({source}); it needs Slurm's commands, as on a login node")]
+    NoSlurm {
+        /// The command.
+        program: &'static str,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The scheduler refuses.
+    #[error("executor slurm: {program} says: {said}{then}")]
+    Slurm {
+        /// The command.
+        program: &'static str,
+        /// Its words.
+        said: String,
+        /// What came of it.
+        then: String,
+    },
+    /// Two calls submit one study.
+    #[error("executor slurm: {}: another call is submitting this study at this moment", dir.display())]
+    Submitting {
+        /// The folder.
+        dir: std::path::PathBuf,
+    },
     /// No SUMO.
     #[error(transparent)]
     Traci(#[from] traci::Error),

@@ -4,11 +4,13 @@
 //! within a step when that is let go of. A kill closes it too.
 
 use super::bars::{Bars, advance};
-use super::case::{State, note_failure, prepare};
+use super::case::{LINGER, State, note_failure, prepare};
 use super::error::StudyError;
 use super::plan::Case;
+use super::process;
+use super::warming::warm_up;
 use super::work::{Ended, Work};
-use crate::run::{MANIFEST, RunError, Signals};
+use crate::run::{RunError, Signals};
 use indicatif::ProgressBar;
 use std::collections::BTreeMap;
 use std::process::{Output, Stdio};
@@ -17,21 +19,24 @@ use tokio::io::{AsyncBufReadExt, BufReader};
 use tokio::process::{ChildStdin, ChildStdout, Command};
 use tokio::task::JoinSet;
 
-/// How long the rest of a study that was killed may hold the folder of a case.
-const LINGER: Duration = Duration::from_secs(20);
-
 /// Runs the cases.
 ///
 /// # Errors
 /// [`StudyError`] if no processes can be started, or a folder cannot be written. A case that fails is no error.
 pub fn execute(work: &Work<'_>) -> Result<Ended, StudyError> {
+    work.plan.write()?;
+    let jobs = work.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
+    let warmed = warm_up(work.plan, work.cases, jobs, work.quiet)?;
+    if warmed != Ended::All {
+        return Ok(warmed);
+    }
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
     runtime.block_on(async {
         let signals = Signals::watch(false)?;
         let bars = Bars::new(work.cases.len(), work.quiet);
         let mut pool = Pool { work, running: JoinSet::new(), ties: BTreeMap::new(), bars };
         for case in work.cases {
-            while pool.running.len() >= work.jobs.max(1) && signals.raised().is_none() {
+            while pool.running.len() >= jobs && signals.raised().is_none() {
                 pool.one_ends(&signals).await?;
             }
             if signals.raised().is_some() {
@@ -58,18 +63,16 @@ struct Pool<'a> {
 impl Pool<'_> {
     async fn start(&mut self, case: &Case) -> Result<(), StudyError> {
         let plan = self.work.plan;
-        let deadline = Instant::now() + LINGER;
-        while let Err(error) = prepare(plan, case) {
+        let dir = plan.case_dir(case);
+        let (planned, deadline) = (plan.manifest(case), Instant::now() + LINGER);
+        while let Err(error) = prepare(&dir, &planned) {
             if !matches!(error, RunError::Busy { .. }) || Instant::now() > deadline {
                 return Err(error.into());
             }
             tokio::time::sleep(Duration::from_millis(100)).await;
         }
-        let dir = plan.case_dir(case);
-        let mut command = Command::new(self.work.program);
-        command.args(["run", "--quiet", "--force", "--tied", "--threads", "1", "--from"]).arg(dir.join(MANIFEST));
-        command.arg("-o").arg(&dir).env("SUMO_BINARY", &plan.sumo.path);
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut command = Command::from(process::command(self.work.program, &plan.sumo.path, &dir));
+        command.stdout(Stdio::piped());
         // A terminal's Ctrl-C reaches us only, and they end with us.
         #[cfg(unix)]
         command.process_group(0);
@@ -99,7 +102,8 @@ impl Pool<'_> {
         self.ties.remove(&number);
         let case = &self.work.plan.cases[number - 1];
         if signals.raised().is_none() {
-            note_failure(self.work.plan, case, &last_words(&output?))?;
+            let (dir, planned) = (self.work.plan.case_dir(case), self.work.plan.manifest(case));
+            note_failure(&dir, &planned, &process::last_words(&output?))?;
             self.tell(case);
         }
         Ok(())
@@ -123,11 +127,4 @@ async fn follow(told: Option<ChildStdout>, bar: &ProgressBar) {
     while let Ok(Some(line)) = lines.next_line().await {
         advance(bar, &line);
     }
-}
-
-/// Why a process has ended that did not say so itself.
-fn last_words(output: &Output) -> String {
-    let said = String::from_utf8_lossy(&output.stderr);
-    let said: Vec<&str> = said.split_whitespace().collect();
-    format!("{}: {}", output.status, said.join(" ")).trim_end_matches([':', ' ']).to_owned()
 }

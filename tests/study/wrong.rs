@@ -2,8 +2,8 @@
 
 use std::fs;
 
-use super::ended;
-use super::support::repository;
+use super::support::{Running, repository};
+use super::{command, ended};
 
 /// What `sweep` says to arguments that it must refuse.
 fn refusal(args: &[&str]) -> String {
@@ -41,7 +41,14 @@ fn wrong_arguments_are_refused() {
             "found 3, wanted one of the values of controller.k_p: 1, 2",
         ),
         (&["--reference", "controller.k_p=3"], "found 3, wanted a key that is varied"),
-        (&["--executor", "slrm"], "unknown executor \"slrm\"; known: local"),
+        (&["--executor", "slrm"], "unknown executor \"slrm\" (did you mean \"slurm\"?); known: local, slurm"),
+        (
+            &["--executor", "slurm", "--slurm", "partiton=night"],
+            "--slurm partiton=night: unknown key slurm.partiton; did you mean slurm.partition?",
+        ),
+        (&["--executor", "slurm", "--slurm", "throttle=2G"], "slurm.throttle: found \"2G\", wanted a whole number"),
+        (&["--executor", "slurm", "--shard", "1/2"], "--shard: found the executor slurm"),
+        (&["--slurm", "time=30"], "--slurm: found the executor local"),
         (&["--shard", "4/3"], "--shard: found 4/3, wanted I/N with I from 1 to N"),
         (&["--gui"], "sumo.gui: found true, wanted false"),
         (&["--port", "4711"], "sumo.port: found 4711, wanted nothing"),
@@ -69,6 +76,11 @@ fn wrong_files_are_refused_with_their_lines() {
         (format!("{scenario}seeds = \"1..\"\n{vary}"), "wrong.toml:2: seeds: found \"1..\", wanted 1..5 (five seeds)"),
         (vary.to_owned(), "scenario: found nothing, wanted the scenario that is varied"),
         (format!("scenario = \"no.toml\"\n{vary}"), "no.toml does not exist"),
+        (
+            format!("{scenario}[slurm]\ntime_s = 30\n{vary}"),
+            "wrong.toml:3: unknown key slurm.time_s; did you mean slurm.time?",
+        ),
+        (format!("{scenario}[slurm]\ntime = 30\n{vary}"), "wrong.toml:3: slurm.time: found 30, wanted a text"),
         (format!("{scenario}vary = 3\n"), "wrong.toml:2: vary: found 3, wanted tables, each headed [[vary]]"),
         (format!("{scenario}[[vary]]\n"), "vary.0: found nothing, wanted a key"),
         (format!("{scenario}[[vary]]\ncontroller.k_p = []\n"), "wrong.toml:3: controller.k_p: found an empty list"),
@@ -88,4 +100,15 @@ fn wrong_files_are_refused_with_their_lines() {
         let said = refusal(&[file.to_str().unwrap()]);
         assert!(said.contains(wanted), "{text}: {said}");
     }
+}
+
+#[test]
+fn a_machine_without_slurm_is_told_before_anything_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("study");
+    let mut command = command("sweep", &dir, &["scenarios/straight.toml", "--executor", "slurm"]);
+    command.env("PATH", folder.path());
+    let ended = Running::start(command).wait();
+    assert_eq!((ended.code, dir.exists()), (Some(1), false), "{}", ended.stderr);
+    assert!(ended.stderr.contains("executor slurm: cannot start scontrol"), "{}", ended.stderr);
 }
