@@ -15,18 +15,36 @@ pub enum Signal {
     Interrupt,
     /// SIGTERM.
     Terminate,
+    /// SIGHUP: the terminal is gone.
+    Hangup,
+    /// SIGQUIT.
+    Quit,
 }
 
 impl Signal {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Interrupt, Self::Terminate];
+    pub const ALL: [Self; 4] = [Self::Interrupt, Self::Terminate, Self::Hangup, Self::Quit];
 
     /// The exit code of the program: 128 + the signal's number.
     pub fn exit_code(self) -> u8 {
+        128 + self.number()
+    }
+
+    fn number(self) -> u8 {
         match self {
-            Self::Interrupt => 130,
-            Self::Terminate => 143,
+            Self::Hangup => 1,
+            Self::Interrupt => 2,
+            Self::Quit => 3,
+            Self::Terminate => 15,
         }
+    }
+
+    /// Whether whoever started us wants it ignored, as `nohup` does: listening would undo that.
+    fn is_ignored(self) -> bool {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+        let ignored =
+            status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+        ignored.is_some_and(|ignored| ignored >> (self.number() - 1) & 1 == 1)
     }
 }
 
@@ -38,16 +56,16 @@ impl Signals {
     /// or wants this run to.
     pub fn watch(tied: bool) -> std::io::Result<Self> {
         let raised = Arc::new(AtomicU8::new(0));
-        let mut interrupt = signal(SignalKind::interrupt())?;
-        let mut terminate = signal(SignalKind::terminate())?;
-        let note = raised.clone();
-        tokio::spawn(async move {
-            let first = tokio::select! {
-                _ = interrupt.recv() => Signal::Interrupt,
-                _ = terminate.recv() => Signal::Terminate,
-            };
-            note.store(first.exit_code(), Ordering::Relaxed);
-        });
+        for awaited in Signal::ALL.into_iter().filter(|awaited| !awaited.is_ignored()) {
+            let mut signals = signal(SignalKind::from_raw(awaited.number().into()))?;
+            let note = raised.clone();
+            tokio::spawn(async move {
+                if signals.recv().await.is_some() {
+                    // The first that comes is the one that counts.
+                    let _ = note.compare_exchange(0, awaited.exit_code(), Ordering::Relaxed, Ordering::Relaxed);
+                }
+            });
+        }
         if tied {
             let note = raised.clone();
             // A thread, because tokio's runtime waits for its own reader of standard input when it ends.

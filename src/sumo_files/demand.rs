@@ -205,7 +205,11 @@ fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Opti
     let mut changes = Vec::new();
     if step_s != Some(setup.step_length_s) {
         let theirs = step_s.map_or("unreadable".to_owned(), |s| format!("{s} s"));
-        changes.push(format!("step length {} s instead of {theirs} (--step-length decides)", setup.step_length_s));
+        changes.push(format!(
+            "step length {} s instead of {theirs} (--step-length decides; that alone can halve or double time losses, \
+             sweep --vary controller.name=plain,ideal shows it)",
+            setup.step_length_s
+        ));
         changes.extend(Sampling::of(settings, setup.step_length_s).notes());
     }
     if ballistic != setup.ballistic {

@@ -108,6 +108,10 @@ fn send(signal: &str, pid: u32) {
 fn under_way(dir: &Path) -> (Running, u32) {
     let mut command = run_command(NEW, &own("city"), dir, &["--trace", "all", "--step-length", "0.05"]);
     command.arg("--quiet");
+    until_under_way(command, dir)
+}
+
+fn until_under_way(command: Command, dir: &Path) -> (Running, u32) {
     let run = Running::start(command);
     let deadline = Instant::now() + Duration::from_secs(60);
     while fs::metadata(dir.join("trace.csv.part")).map_or(0, |meta| meta.len()) < 100_000 {
@@ -147,7 +151,7 @@ fn a_sumo_that_is_killed_leaves_a_result_marked_incomplete() {
 
 #[test]
 fn signals_end_a_run_in_order() {
-    for (signal, code) in [("-INT", 130), ("-TERM", 143)] {
+    for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129), ("-QUIT", 131)] {
         let folder = tempfile::tempdir().unwrap();
         let dir = folder.path().join("result");
         let (run, sumo) = under_way(&dir);
@@ -157,6 +161,22 @@ fn signals_end_a_run_in_order() {
         is_kept_but_incomplete(&dir);
         assert!(!stays(sumo), "SUMO outlives {signal}");
     }
+}
+
+#[test]
+fn who_was_started_by_nohup_does_not_hear_the_terminal_go() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("result");
+    let own = run_command(NEW, &own("city"), &dir, &["--trace", "all", "--step-length", "0.05", "--quiet"]);
+    let mut command = Command::new("nohup");
+    command.arg(own.get_program()).args(own.get_args());
+    command.envs(own.get_envs().filter_map(|(key, value)| Some((key, value?))));
+    let (mut run, _) = until_under_way(command, &dir);
+    send("-HUP", run.child.id());
+    std::thread::sleep(Duration::from_secs(1));
+    assert!(run.child.try_wait().unwrap().is_none(), "it has ended");
+    send("-TERM", run.child.id());
+    assert_eq!(run.wait().code, Some(143));
 }
 
 /// A signal while SUMO is waiting for other clients.
