@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use super::{arguments::StudyArgs, notes, print};
+use super::{arguments::StudyArgs, notes, print, write_report};
 use crate::{
     registry::find,
     scenario::Catalog,
@@ -23,7 +23,7 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
         return print(&listed(&plan, mine, args.status));
     }
     if args.collect {
-        return tables(&plan, args.quiet);
+        return tables(&plan, args);
     }
     if !args.quiet {
         notes(&plan.settings[0].scenario.notes);
@@ -45,7 +45,7 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
         return Ok(ExitCode::from(signal.exit_code()));
     }
     if shard.is_none() {
-        return tables(&plan, args.quiet);
+        return tables(&plan, args);
     }
     let failed = todo.iter().filter(|case| State::of(&plan, case) != State::Done).count();
     if !args.quiet {
@@ -57,14 +57,17 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
 }
 
 /// Writes and prints the tables.
-fn tables(plan: &Plan, quiet: bool) -> miette::Result<ExitCode> {
+fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
     let tables = collect(plan)?;
     tables.write(plan)?;
     let [done, failed, missing] = tables.counts;
-    if !quiet {
+    if !args.quiet {
         eprintln!("{}: {done} cases done, {failed} failed, {missing} missing", plan.dir.display());
     }
     print(&terminal_table(&plan.keys, plan.seeds.len(), &tables.comparison))?;
+    if !args.no_report {
+        write_report(&plan.dir, args.quiet)?;
+    }
     failures(failed)
 }
 

@@ -6,7 +6,7 @@ use super::heat::{Heat, Panel, heat_map};
 use super::summary::Summary;
 use super::tuned::{Map, Tuned};
 use crate::paper::Finding;
-use crate::paper::figure::Figure;
+use crate::figure::Figure;
 use crate::paper::row::{Row, Rows};
 
 /// A value of a cell, by name.

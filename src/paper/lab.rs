@@ -1,6 +1,6 @@
 //! What the tests are given, and what they give back.
 
-use super::figure::Figure;
+use crate::figure::Figure;
 use super::library::Library;
 use super::row::Row;
 use super::series::Series;

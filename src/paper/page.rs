@@ -2,7 +2,7 @@
 //! and how far apart the two are; all verdicts are those of `results.csv`.
 
 use super::claims;
-use super::figure::{Figure, escape, style};
+use crate::figure::{Figure, escape, style};
 use super::lab::{Finding, Lab};
 use super::library::Preset;
 use super::published::Published;
