@@ -2,7 +2,7 @@
 
 use super::drawing::{Figure, WIDTH};
 use super::escape::escape;
-use super::frame::{BOTTOM, RIGHT, Entry, TOP, legend};
+use super::frame::{BOTTOM, Entry, RIGHT, TOP, legend};
 use super::scale::Scale;
 use super::style::class;
 use std::fmt::Write;
@@ -81,5 +81,4 @@ impl Figure {
         legend(&mut body, &entries);
         Self::drawn(name, &bars.title, body, height)
     }
-
 }

@@ -104,7 +104,6 @@ impl Figure {
         legend(&mut body, &entries);
         Self::drawn(name, &chart.title, body, bottom + BOTTOM)
     }
-
 }
 
 fn draw_band(out: &mut String, band: &Band, x: &Scale, y: &Scale) {
@@ -151,4 +150,3 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     });
     extremes.chain(points.last().copied()).collect()
 }
-

@@ -36,14 +36,23 @@ impl Figure {
         let mut body = format!("<text class=\"title\" x=\"16\" y=\"20\">{}</text>", escape(&matrix.title));
         for (c, column) in matrix.columns.iter().enumerate() {
             let middle = left + (c as f64 + 0.5) * width;
-            let _ = write!(body, "<text class=\"soft\" x=\"{middle:.1}\" y=\"46\" text-anchor=\"middle\">{}</text>", escape(column));
+            let _ = write!(
+                body,
+                "<text class=\"soft\" x=\"{middle:.1}\" y=\"46\" text-anchor=\"middle\">{}</text>",
+                escape(column)
+            );
         }
         let largest = matrix.values.iter().flatten().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
         let digits = (2.0 - libm::floor(libm::log10(largest.max(1e-12)))).clamp(0.0, 6.0) as usize;
         for (r, row) in matrix.rows.iter().enumerate() {
             let top = TOP + r as f64 * CELL;
             let base = top + 0.5 * CELL + 4.0;
-            let _ = write!(body, "<text class=\"soft\" x=\"{:.1}\" y=\"{base}\" text-anchor=\"end\">{}</text>", left - 6.0, escape(row));
+            let _ = write!(
+                body,
+                "<text class=\"soft\" x=\"{:.1}\" y=\"{base}\" text-anchor=\"end\">{}</text>",
+                left - 6.0,
+                escape(row)
+            );
             for (c, value) in matrix.values[r].iter().enumerate() {
                 let x = left + c as f64 * width;
                 let middle = x + 0.5 * width;
@@ -57,7 +66,10 @@ impl Figure {
                         CELL - 1.0
                     );
                 }
-                let _ = write!(body, "<text class=\"value\" x=\"{middle:.1}\" y=\"{base}\" text-anchor=\"middle\">{text}</text>");
+                let _ = write!(
+                    body,
+                    "<text class=\"value\" x=\"{middle:.1}\" y=\"{base}\" text-anchor=\"middle\">{text}</text>"
+                );
             }
         }
         let bottom = TOP + matrix.rows.len() as f64 * CELL;

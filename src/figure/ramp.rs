@@ -57,7 +57,8 @@ impl Ramp {
                 y + 24.0
             );
         }
-        let _ = write!(out, "<text x=\"{}\" y=\"{}\">{}</text>", x + WIDE * STEPS as f64 + 26.0, y + 10.0, escape(label));
+        let _ =
+            write!(out, "<text x=\"{}\" y=\"{}\">{}</text>", x + WIDE * STEPS as f64 + 26.0, y + 10.0, escape(label));
     }
 }
 

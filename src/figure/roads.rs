@@ -104,7 +104,8 @@ fn draw_valued(body: &mut String, roads: &Roads, path: &dyn Fn(&Road) -> String)
         let _ = write!(body, "<g class=\"v{}\">", ramp.step(group[0].0));
         for (value, road) in group {
             let (id, digits) = (escape(&road.id), ramp.digits());
-            let _ = write!(body, "<path class=\"road\" d=\"{}\"><title>{id}: {value:.digits$}</title></path>", path(road));
+            let _ =
+                write!(body, "<path class=\"road\" d=\"{}\"><title>{id}: {value:.digits$}</title></path>", path(road));
         }
         *body += "</g>";
     }

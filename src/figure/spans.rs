@@ -69,7 +69,8 @@ impl Figure {
             if let Some(half) = span.half {
                 let [low, high] = half.map(|end| x.at(end));
                 let (top, width) = (y - 7.0, (high - low).max(1.0));
-                let _ = write!(body, "<rect class=\"box\" x=\"{low:.1}\" y=\"{top}\" width=\"{width:.1}\" height=\"14\"/>");
+                let _ =
+                    write!(body, "<rect class=\"box\" x=\"{low:.1}\" y=\"{top}\" width=\"{width:.1}\" height=\"14\"/>");
             }
             let _ = write!(body, "<circle cx=\"{:.1}\" cy=\"{y}\" r=\"3.6\"/></g>", x.at(span.middle));
         }

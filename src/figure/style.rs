@@ -72,7 +72,6 @@ pub fn class(name: &str) -> String {
     place.map_or_else(|| escape(name), |i| format!("hue{}", i % HUES.len()))
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

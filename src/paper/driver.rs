@@ -2,11 +2,11 @@
 //! with 250 ms between command and torque, straight and along the reconstructed path.
 
 use super::error::PaperError;
-use crate::figure::{Chart, Curve, Figure};
 use super::lab::{CONTROLLERS, Finding, Lab, SEEDS, every_law};
 use super::library::{DEFAULT, Preset};
 use super::row::{Row, Rows};
 use super::series::Series;
+use crate::figure::{Chart, Curve, Figure};
 use crate::offline::{Moment, Road};
 use crate::scenario::Override;
 use rayon::prelude::*;

@@ -2,12 +2,12 @@
 //! are in the ratio 2·√(Δt/T), whatever mass, K_P, α and torque limit. `docs/overshoot-ratio.md` derives it; here it is measured.
 
 use super::error::PaperError;
-use crate::figure::{Chart, Curve, Figure};
 use super::lab::{CONTROLLERS, Finding, Lab};
 use super::library::Preset;
 use super::results::Results;
 use super::row::Rows;
 use super::step::{Plateau, response};
+use crate::figure::{Chart, Curve, Figure};
 use crate::offline::{End, Road};
 use crate::scenario::Override;
 

@@ -1,11 +1,11 @@
 //! A sinusoid of position (Section 5.2): the first oscillation's overshoot and where the error has converged.
 
 use super::error::PaperError;
-use crate::figure::{Chart, Curve, Figure};
 use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
 use super::library::Preset;
 use super::row::{Row, Rows, SHORT_SINE};
 use super::series::Series;
+use crate::figure::{Chart, Curve, Figure};
 use crate::offline::{End, Moment, Road};
 use crate::scenario::{Override, Scenario};
 use rayon::prelude::*;

@@ -62,7 +62,8 @@ mod tests {
     use super::*;
 
     fn column(unit: &str, values: Values) -> Column {
-        let info = ColumnInfo { name: "x".into(), kind: "number".into(), unit: Some(unit.into()), meaning: String::new() };
+        let info =
+            ColumnInfo { name: "x".into(), kind: "number".into(), unit: Some(unit.into()), meaning: String::new() };
         Column { info, values }
     }
 

@@ -70,10 +70,13 @@ impl RunData {
             table(&trace_name, false)?
         };
         let log = dir.join("sumo/sumo.log");
-        let incidents = if log.is_file() { Some(incidents(&log)?) } else { None };
-        if incidents.is_none() {
-            missing.push("sumo/sumo.log is not in the folder: safety events are left out.".to_owned());
-        }
+        let incidents = match incidents(&log) {
+            Ok(incidents) => Some(incidents),
+            Err(_) => {
+                missing.push("sumo/sumo.log cannot be read: safety events are left out.".to_owned());
+                None
+            }
+        };
         let roads = roads(&manifest, &mut missing);
         let dir = dir.to_owned();
         Ok(Self { dir, manifest, summary, vehicles, edges, sample, trace, roads, incidents, missing })

@@ -32,14 +32,17 @@ pub fn distribution(runs: &[RunData], groups: &[Group], column: &str) -> Option<
     // A few large values would press all others together.
     let cut = outer > 2.0 * inner && inner > 0.0;
     let end = if cut { inner } else { outer };
-    let curves = groups.iter().zip(&sorted).filter(|(_, values)| !values.is_empty()).map(|(group, values)| {
-        Curve::of(&group.name, steps(values, end)).in_style(&group.style)
-    });
+    let curves = groups
+        .iter()
+        .zip(&sorted)
+        .filter(|(_, values)| !values.is_empty())
+        .map(|(group, values)| Curve::of(&group.name, steps(values, end)).in_style(&group.style));
     let x = info.titled();
     let title = format!("Distribution of {column} over the vehicles");
     let chart = Chart { title, x: &x, y: "share of the vehicles", curves: curves.collect(), ..Chart::default() };
     let beyond = if cut { " The largest 1 % are beyond the right end." } else { "" };
-    let caption = format!("Share of the vehicles that have at most this {}: {}.{beyond}", info.titled(), lower(&info.meaning));
+    let caption =
+        format!("Share of the vehicles that have at most this {}: {}.{beyond}", info.titled(), lower(&info.meaning));
     Some(FigureView::new(&Figure::chart(&format!("distribution_{column}"), &chart), caption))
 }
 
@@ -88,7 +91,8 @@ pub fn boxes(runs: &[RunData], groups: &[Group], columns: &[&str], unit: &str) -
         "quantiles",
         &Spans { title: "Errors over the vehicles".to_owned(), unit: &axis, spans, from_zero: true },
     );
-    let caption = format!("Dot: median; box: the middle half of the vehicles; line: from 5 % to 95 % of them, in {unit}.");
+    let caption =
+        format!("Dot: median; box: the middle half of the vehicles; line: from 5 % to 95 % of them, in {unit}.");
     Some(FigureView::new(&figure, caption))
 }
 

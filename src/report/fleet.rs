@@ -40,12 +40,21 @@ pub fn counts(runs: &[RunData], names: &[String]) -> Option<TableView> {
     rows.retain(|(name, values)| !name.starts_with("counts.") || !zero(values) || name == "counts.vehicles");
     let row = |(name, values): (String, Vec<String>)| {
         let name = name.replace("counts.", "egos: ").replace("sumo.", "SUMO: ").replace('_', " ");
-        [Cell::text(name.replace("egos: vehicles", "egos"))].into_iter().chain(values.into_iter().map(Cell::number)).collect()
+        [Cell::text(name.replace("egos: vehicles", "egos"))]
+            .into_iter()
+            .chain(values.into_iter().map(Cell::number))
+            .collect()
     };
     let head = [Head::text("count", "")].into_iter().chain(names.iter().map(|name| Head::number(name, ""))).collect();
     let rows: Vec<Vec<Cell>> = rows.into_iter().map(row).collect();
     let caption = "Vehicles of the run: the equipped ones (egos) by how their rows ended, then what SUMO itself counted, vehicles that are no egos included. Counts that are 0 are left out.";
-    (!rows.is_empty()).then(|| TableView { id: "counts".into(), caption: caption.into(), head, rows, ..TableView::default() })
+    (!rows.is_empty()).then(|| TableView {
+        id: "counts".into(),
+        caption: caption.into(),
+        head,
+        rows,
+        ..TableView::default()
+    })
 }
 
 /// What `summary.json` says of every column of the vehicles.
@@ -72,7 +81,13 @@ pub fn fleet(run: &RunData) -> Option<TableView> {
         Head::text("what it is", ""),
     ];
     let caption = "Every column of the table of vehicles over all egos. e = true speed − reference; read error_* together with lead_limited and speed_gap_rms: where the reference was held near the true speed, large errors were cut.";
-    (!rows.is_empty()).then(|| TableView { id: "fleet".into(), caption: caption.into(), head, rows, ..TableView::default() })
+    (!rows.is_empty()).then(|| TableView {
+        id: "fleet".into(),
+        caption: caption.into(),
+        head,
+        rows,
+        ..TableView::default()
+    })
 }
 
 fn infos(run: &RunData) -> Vec<ColumnInfo> {
@@ -81,7 +96,8 @@ fn infos(run: &RunData) -> Vec<ColumnInfo> {
     }
     // Without the table itself the summary still has its columns, without units.
     let names = run.summary.iter().flat_map(|summary| summary.fleet.keys());
-    let info = |name: &String| ColumnInfo { name: name.clone(), kind: "number".into(), unit: None, meaning: String::new() };
+    let info =
+        |name: &String| ColumnInfo { name: name.clone(), kind: "number".into(), unit: None, meaning: String::new() };
     names.map(info).collect()
 }
 

@@ -36,7 +36,8 @@ pub fn add(page: &mut Page, run: &RunData, label: Option<&str>) {
         let factor = summary.real_time_factor.map(|f| format!(", {} × real time", sensible(f))).unwrap_or_default();
         fact("runtime", format!("{} s{factor}", sensible(summary.wall_s)));
     }
-    let again = format!("sumo-mfc run --from {} -o NEW-FOLDER", quoted(&run.dir.join("run.json").display().to_string()));
+    let again =
+        format!("sumo-mfc run --from {} -o NEW-FOLDER", quoted(&run.dir.join("run.json").display().to_string()));
     page.commands.push([named("the same run again, bit for bit"), again]);
     if !manifest.sumo_command.is_empty() {
         let words: Vec<String> = manifest.sumo_command.iter().map(|word| quoted(word)).collect();
@@ -50,7 +51,8 @@ pub fn add(page: &mut Page, run: &RunData, label: Option<&str>) {
         page.warnings.push(named(&format!("The run is not complete: {why}")));
     }
     if manifest.version != env!("CARGO_PKG_VERSION") {
-        let note = format!("The result is of sumo-mfc {}, the report of {}.", manifest.version, env!("CARGO_PKG_VERSION"));
+        let note =
+            format!("The result is of sumo-mfc {}, the report of {}.", manifest.version, env!("CARGO_PKG_VERSION"));
         page.warnings.push(named(&note));
     }
     page.warnings.extend(run.missing.iter().map(|text| named(text)));
@@ -68,5 +70,9 @@ fn key_of(scenario: &str, section: &str) -> Option<String> {
 /// A word for a shell.
 pub fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./=:,+%@".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    if !word.is_empty() && word.chars().all(plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
 }

@@ -41,7 +41,7 @@ pub struct Page {
 #[derive(Debug, Default, Serialize)]
 pub struct Section {
     /// Its anchor.
-    pub id: &'static str,
+    pub id: String,
     /// Title.
     pub title: String,
     /// Sentences above everything.
@@ -50,6 +50,8 @@ pub struct Section {
     pub tables: Vec<TableView>,
     /// Figures.
     pub figures: Vec<FigureView>,
+    /// A part of the section above: its title is smaller.
+    pub nested: bool,
 }
 
 /// A cell: its text, and a class that says how it is shown (`text`, `yes`, `no`, or nothing for numbers).
@@ -144,10 +146,10 @@ impl FigureView {
         Self { wide: true, ..self }
     }
 
-    /// Over the whole width, and to be zoomed.
+    /// To be zoomed.
     #[must_use]
     pub fn zoomed(self) -> Self {
-        Self { wide: true, zoom: true, ..self }
+        Self { zoom: true, ..self }
     }
 }
 

@@ -16,7 +16,8 @@ const DRAWN: usize = 500;
 /// The maps of all runs, with one scale of colour, for each column that the tables have.
 pub fn maps(runs: &[RunData], names: &[Option<&str>]) -> Vec<FigureView> {
     let of_column = |(column, words): &(&str, &str)| -> Vec<FigureView> {
-        let values: Vec<_> = runs.iter().map(|run| run.edges.as_ref().and_then(|edges| by_edge(edges, column))).collect();
+        let values: Vec<_> =
+            runs.iter().map(|run| run.edges.as_ref().and_then(|edges| by_edge(edges, column))).collect();
         let ramp = Ramp::of(values.iter().flatten().flat_map(|values| values.values().copied()));
         let maps = runs.iter().zip(names).zip(&values);
         maps.filter_map(|((run, name), values)| map(run, *name, [column, words], values.as_ref()?, &ramp)).collect()

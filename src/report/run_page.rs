@@ -36,14 +36,19 @@ pub fn page(runs: &[RunData], vehicle: Option<&str>) -> Result<Page, ReportError
     }
     page.sections.push(fleet_section(runs, &folders));
     page.sections.push(error_section(runs));
-    let mut space = Section { id: "space", title: "Time and space".into(), ..Section::default() };
+    let mut space = Section { id: "space".into(), title: "Time and space".into(), ..Section::default() };
     space.figures.extend(maps(runs, &names));
     space.figures.extend(runs.iter().zip(&names).filter_map(|(run, name)| time_space(run, *name)));
     page.sections.push(space);
     page.sections.push(safety_section(runs, &names));
     if let Some(id) = vehicle {
         let figures = runs.iter().zip(&names).flat_map(|(run, name)| traces::figures(run, *name, id)).collect();
-        page.sections.push(Section { id: "vehicle", title: format!("Vehicle {id}"), figures, ..Section::default() });
+        page.sections.push(Section {
+            id: "vehicle".into(),
+            title: format!("Vehicle {id}"),
+            figures,
+            ..Section::default()
+        });
     }
     if let Some(table) = vehicles::joined(runs) {
         let (series, mut text) = traces::series(runs, vehicle);
@@ -57,9 +62,16 @@ pub fn page(runs: &[RunData], vehicle: Option<&str>) -> Result<Page, ReportError
         }
         page.data = Some(data.to_string());
         let tables = vec![vehicles::table(&table)];
-        page.sections.push(Section { id: "vehicles", title: "Vehicles".into(), text, tables, ..Section::default() });
+        page.sections.push(Section {
+            id: "vehicles".into(),
+            title: "Vehicles".into(),
+            text,
+            tables,
+            ..Section::default()
+        });
     }
-    page.sections.retain(|section| !section.tables.is_empty() || !section.figures.is_empty() || !section.text.is_empty());
+    page.sections
+        .retain(|section| !section.tables.is_empty() || !section.figures.is_empty() || !section.text.is_empty());
     Ok(page)
 }
 
@@ -76,7 +88,7 @@ fn about(runs: &[RunData]) -> String {
 }
 
 fn fleet_section(runs: &[RunData], folders: &[String]) -> Section {
-    let mut section = Section { id: "fleet", title: "The fleet".into(), ..Section::default() };
+    let mut section = Section { id: "fleet".into(), title: "The fleet".into(), ..Section::default() };
     let names: Vec<String> = match runs {
         [_, _] => NAMES.iter().zip(folders).map(|(name, folder)| format!("{name}: {folder}")).collect(),
         _ => vec!["vehicles".to_owned()],
@@ -94,7 +106,7 @@ fn fleet_section(runs: &[RunData], folders: &[String]) -> Section {
 
 fn error_section(runs: &[RunData]) -> Section {
     let groups = groups(runs);
-    let mut section = Section { id: "errors", title: "Errors".into(), ..Section::default() };
+    let mut section = Section { id: "errors".into(), title: "Errors".into(), ..Section::default() };
     section.figures.extend(distribution(runs, &groups, "error_rms"));
     section.figures.extend(distribution(runs, &groups, "speed_gap_rms"));
     let columns = ["error_rms", "speed_gap_rms", "overshoot_max", "error_max_abs"];
@@ -105,7 +117,7 @@ fn error_section(runs: &[RunData]) -> Section {
 
 /// What SUMO's log says about dangerous moments.
 fn safety_section(runs: &[RunData], names: &[Option<&str>]) -> Section {
-    let mut section = Section { id: "safety", title: "Safety events".into(), ..Section::default() };
+    let mut section = Section { id: "safety".into(), title: "Safety events".into(), ..Section::default() };
     for (run, name) in runs.iter().zip(names) {
         let Some(incidents) = &run.incidents else { continue };
         let of = name.map(|name| format!("{name}: ")).unwrap_or_default();

@@ -99,12 +99,6 @@ impl StudyData {
         Ok(Self { dir: dir.to_owned(), plan, cases, comparison, wall_s, notes, missing })
     }
 
-    /// A setting in words.
-    pub fn shown(&self, values: &[String]) -> String {
-        let pairs: Vec<String> = self.plan.keys.iter().zip(values).map(|(key, value)| format!("{key}={value}")).collect();
-        if pairs.is_empty() { "as it is".to_owned() } else { pairs.join(", ") }
-    }
-
     /// The title of a metric, from what the schema says of its column in the table of cases.
     pub fn title(&self, metric: &str) -> String {
         let column = self.cases.as_ref().and_then(|cases| cases.column(metric));

@@ -79,9 +79,12 @@ pub fn intervals(study: &StudyData, metric: &MetricRows) -> Option<FigureView> {
         &Spans { title, unit: &metric.titled, spans, from_zero: paired },
     );
     let caption = if paired {
-        format!("Paired difference of {} to the reference, mean over the seeds with the 95 % interval; * p < 0.05 after Holm.", metric.titled)
+        format!(
+            "Paired difference of {} to the reference, mean over the seeds with the 95 % interval; * p < 0.05 after Holm.",
+            metric.titled
+        )
     } else {
-        format!("{}, mean over the seeds with its 95 % interval.", metric.titled)
+        format!("{}: mean over the seeds with its 95 % interval.", metric.titled)
     };
     Some(FigureView::new(&figure, caption))
 }
@@ -141,8 +144,9 @@ pub fn curves(study: &StudyData, metric: &MetricRows, key: usize) -> Option<Figu
     let title = format!("{} over {}", metric.words, keys[key]);
     let chart = Chart { title, x: &keys[key], y: &metric.titled, bands, curves: drawn, isotropic: false };
     let figure = Figure::chart(&format!("curve_{}_{}", metric.name, stem(&keys[key])), &chart);
-    let rest = if left_out > 0 { format!(" {left_out} more settings of the other keys are left out.") } else { String::new() };
-    let caption = format!("{}, mean over the seeds; the bands are its 95 % intervals.{rest}", metric.titled);
+    let rest =
+        if left_out > 0 { format!(" {left_out} more settings of the other keys are left out.") } else { String::new() };
+    let caption = format!("{}: mean over the seeds; the bands are its 95 % intervals.{rest}", metric.titled);
     Some(FigureView::new(&figure, caption))
 }
 
@@ -153,7 +157,8 @@ pub fn matrices(study: &StudyData, metric: &MetricRows, pair: [usize; 2]) -> Vec
     let mut tables: Vec<NamedTable> = Vec::new();
     for row in &metric.rows {
         let of_row = row.values(keys);
-        let others = of_row.iter().enumerate().filter(|(index, _)| !pair.contains(index)).map(|(_, value)| value.as_str());
+        let others =
+            of_row.iter().enumerate().filter(|(index, _)| !pair.contains(index)).map(|(_, value)| value.as_str());
         let name = others.collect::<Vec<_>>().join(", ");
         if !tables.iter().any(|(known, _)| *known == name) {
             tables.push((name.clone(), vec![vec![None; columns.len()]; rows.len()]));

@@ -2,7 +2,7 @@
 
 use super::groups::NAMES;
 use super::head::{folder_name, quoted};
-use super::number::{counted, or_dash, sensible, signed};
+use super::number::{self, counted, or_dash, sensible};
 use super::page::{Cell, Head, Page, Section, TableView};
 use super::study_data::{Compared, StudyData};
 use super::study_figures::{MetricRows, curves, divides, intervals, matrices};
@@ -31,12 +31,11 @@ pub fn page(studies: &[StudyData]) -> Page {
         let settings = counted(study.plan.settings.len(), "setting", "settings");
         if studies.len() == 1 {
             page.about = format!("A study of {settings} and {}.", counted(study.plan.seeds.len(), "seed", "seeds"));
-            page.sections.push(figures(study));
+            page.sections.extend(figures(study));
         }
         page.sections.push(comparison(study, *name));
         page.sections.push(cases(study, *name));
     }
-    page.sections.retain(|section| !section.tables.is_empty() || !section.figures.is_empty());
     page
 }
 
@@ -65,58 +64,72 @@ fn head(page: &mut Page, study: &StudyData, label: Option<&str>) {
     page.inputs.dedup();
     if plan.seeds.len() < FEW_SEEDS {
         let seeds = counted(plan.seeds.len(), "seed", "seeds");
-        page.warnings.push(named(&format!("{seeds}: intervals from fewer than {FEW_SEEDS} seeds are not to be believed.")));
+        page.warnings
+            .push(named(&format!("{seeds}: intervals from fewer than {FEW_SEEDS} seeds are not to be believed.")));
     }
     let states = study.cases.as_ref().and_then(|cases| cases.texts("status")).unwrap_or_default();
     for state in ["failed", "missing"] {
         let count = states.iter().filter(|found| *found == state).count();
         if count > 0 {
-            page.warnings.push(named(&format!("{} {state}; the table of cases has the reasons.", counted(count, "case", "cases"))));
+            page.warnings.push(named(&format!(
+                "{} {state}; the table of cases has the reasons.",
+                counted(count, "case", "cases")
+            )));
         }
     }
     page.warnings.extend(study.missing.iter().map(|text| named(text)));
     page.notes.extend(study.notes.iter().map(|text| named(text)));
 }
 
-/// The settings with which others are compared.
+/// What the references have in common: the values of keys that all of them share.
 fn references(study: &StudyData) -> String {
-    let mut found: Vec<String> = Vec::new();
-    for reference in study.plan.settings.iter().filter_map(|setting| setting.reference.as_ref()) {
-        let shown = study.shown(reference);
-        if !found.contains(&shown) {
-            found.push(shown);
-        }
-    }
-    found.join("; ")
+    let all: Vec<&Vec<String>> = study.plan.settings.iter().filter_map(|setting| setting.reference.as_ref()).collect();
+    let shared = |key: &usize| all.iter().all(|values| values[*key] == all[0][*key]);
+    let keys = (0..study.plan.keys.len()).filter(shared);
+    keys.map(|key| format!("{}={}", study.plan.keys[key], all[0][key])).collect::<Vec<_>>().join(", ")
 }
 
-fn figures(study: &StudyData) -> Section {
-    let mut section = Section { id: "figures", title: "What differs".into(), ..Section::default() };
+/// A section for the figures of every metric that differs between the settings.
+fn figures(study: &StudyData) -> Vec<Section> {
+    let title = "What differs".to_owned();
+    let text = vec!["Metrics that are the same in all settings are left out.".to_owned()];
+    let mut sections = vec![Section { id: "figures".into(), title, text, ..Section::default() }];
     let metrics = MetricRows::all(study);
     let keys = study.plan.keys.len();
+    let dividing: Vec<usize> = (0..keys).filter(|key| divides(study, *key)).collect();
     for name in DRAWN {
         let Some(metric) = metrics.iter().find(|metric| metric.name == name && metric.varies()) else { continue };
-        section.figures.extend((0..keys).filter_map(|key| curves(study, metric, key)));
-        let dividing: Vec<usize> = (0..keys).filter(|key| divides(study, *key)).collect();
+        let mut figures: Vec<_> = (0..keys).filter_map(|key| curves(study, metric, key)).collect();
+        figures.extend(intervals(study, metric));
         for (i, first) in dividing.iter().enumerate() {
             for second in &dividing[i + 1..] {
-                section.figures.extend(matrices(study, metric, [*first, *second]));
+                figures.extend(matrices(study, metric, [*first, *second]));
             }
         }
-        section.figures.extend(intervals(study, metric));
+        let (id, title) = (format!("figures-{name}"), metric.titled.clone());
+        sections.push(Section { id, title, figures, nested: true, ..Section::default() });
     }
-    section
+    if sections.len() > 1 { sections } else { Vec::new() }
 }
 
-fn with_half(value: Option<f64>, half: Option<f64>, show: fn(f64) -> String) -> String {
+/// A value and the half width of its interval, both to the second digit of the latter.
+fn with_half(value: Option<f64>, half: Option<f64>, signed: bool) -> String {
     let Some(value) = value else { return "–".to_owned() };
-    half.map_or_else(|| show(value), |half| format!("{} ± {}", show(value), sensible(half)))
+    let Some(half) = half.filter(|half| *half > 0.0) else {
+        return if signed { number::signed(value) } else { sensible(value) };
+    };
+    let digits = (1.0 - libm::floor(libm::log10(half))).clamp(0.0, 9.0) as usize;
+    if signed {
+        format!("{value:+.digits$} ± {half:.digits$}")
+    } else {
+        format!("{value:.digits$} ± {half:.digits$}")
+    }
 }
 
 /// A table per metric, the settings below each other.
 fn comparison(study: &StudyData, label: Option<&str>) -> Section {
     let of = label.map(|label| format!(", {label}")).unwrap_or_default();
-    let mut section = Section { id: "comparison", title: format!("Comparison{of}"), ..Section::default() };
+    let mut section = Section { id: "comparison".into(), title: format!("Comparison{of}"), ..Section::default() };
     section.text.push(
         "Mean: over the seeds, ± half width of its 95 % t interval. Difference: paired by seed to the reference, marked \
          where p < 0.05 after Holm over all settings and metrics. Same vehicles: those that arrived in both runs."
@@ -135,14 +148,14 @@ fn comparison(study: &StudyData, label: Option<&str>) -> Section {
         ]);
         let row = |row: &Compared| -> Vec<Cell> {
             let sure = row.number("p_holm").is_some_and(|p| p < 0.05);
-            let mut difference = with_half(row.number("diff"), row.number("diff_ci95"), signed);
+            let mut difference = with_half(row.number("diff"), row.number("diff_ci95"), true);
             if sure {
                 difference += " *";
             }
-            let same = with_half(row.number("completed_diff"), row.number("completed_diff_ci95"), signed);
+            let same = with_half(row.number("completed_diff"), row.number("completed_diff_ci95"), true);
             let keys = row.values(&study.plan.keys).into_iter().map(Cell::text);
             let numbers = [
-                Cell::number(with_half(row.number("mean"), row.number("ci95"), sensible)),
+                Cell::number(with_half(row.number("mean"), row.number("ci95"), false)),
                 Cell { text: difference, class: if sure { "sure" } else { "" } },
                 Cell::number(or_dash(row.number("p_holm"))),
                 Cell::number(or_dash(row.number("seeds"))),
@@ -167,7 +180,7 @@ fn comparison(study: &StudyData, label: Option<&str>) -> Section {
 /// Which cases are done, and why others are not.
 fn cases(study: &StudyData, label: Option<&str>) -> Section {
     let of = label.map(|label| format!(", {label}")).unwrap_or_default();
-    let mut section = Section { id: "cases", title: format!("Cases{of}"), ..Section::default() };
+    let mut section = Section { id: "cases".into(), title: format!("Cases{of}"), ..Section::default() };
     let Some(table) = &study.cases else { return section };
     let columns: Vec<_> = table.columns.iter().collect();
     let head = columns.iter().map(|column| {
@@ -209,7 +222,7 @@ fn cases(study: &StudyData, label: Option<&str>) -> Section {
 
 /// The settings and metrics that two studies have in common.
 fn side_by_side(a: &StudyData, b: &StudyData) -> Section {
-    let mut section = Section { id: "side-by-side", title: "Side by side".into(), ..Section::default() };
+    let mut section = Section { id: "side-by-side".into(), title: "Side by side".into(), ..Section::default() };
     let (left, right) = (MetricRows::all(a), MetricRows::all(b));
     for metric in &left {
         let Some(other) = right.iter().find(|other| other.name == metric.name) else { continue };
@@ -219,8 +232,8 @@ fn side_by_side(a: &StudyData, b: &StudyData) -> Section {
             let same = |row: &&Compared| a.plan.keys.iter().zip(&values).all(|(key, value)| row.text(key) == value);
             let Some(twin) = other.rows.iter().find(same).filter(|_| a.plan.keys == b.plan.keys) else { continue };
             let difference = row.number("mean").zip(twin.number("mean")).map(|(one, two)| two - one);
-            let mean = |row: &Compared| Cell::number(with_half(row.number("mean"), row.number("ci95"), sensible));
-            let change = Cell::number(difference.map_or_else(|| "–".to_owned(), signed));
+            let mean = |row: &Compared| Cell::number(with_half(row.number("mean"), row.number("ci95"), false));
+            let change = Cell::number(difference.map_or_else(|| "–".to_owned(), number::signed));
             rows.push(values.iter().map(Cell::text).chain([mean(row), mean(twin), change]).collect());
         }
         let keys = a.plan.keys.iter().map(|key| Head::text(key, "varied key"));

@@ -70,7 +70,10 @@ pub fn series(runs: &[RunData], wanted: Option<&str>) -> (Vec<Value>, Vec<String
                 all.push(json!({ "id": id, "run": name, "source": source, "columns": columns }));
             }
             if kept < vehicles.len() {
-                notes.push(format!("Of {} in {source}, the curves of {kept} are in this page.", counted(vehicles.len(), "vehicle", "vehicles")));
+                notes.push(format!(
+                    "Of {} in {source}, the curves of {kept} are in this page.",
+                    counted(vehicles.len(), "vehicle", "vehicles")
+                ));
             }
             if thin {
                 notes.push(format!("Curves from {source} have a part of their points, evenly taken."));
@@ -88,7 +91,8 @@ pub fn ids(run: &RunData) -> impl Iterator<Item = &str> {
 
 /// The figures of one vehicle of a run.
 pub fn figures(run: &RunData, label: Option<&str>, id: &str) -> Vec<FigureView> {
-    let found = sources(run).into_iter().find_map(|(source, table, _)| Some((source, table, by_vehicle(table).remove(id)?)));
+    let found =
+        sources(run).into_iter().find_map(|(source, table, _)| Some((source, table, by_vehicle(table).remove(id)?)));
     let Some((source, table, rows)) = found else { return Vec::new() };
     let Some(times) = table.numbers("time") else { return Vec::new() };
     let mut by_unit: Vec<(String, Vec<&str>)> = Vec::new();

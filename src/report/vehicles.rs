@@ -26,7 +26,12 @@ pub fn joined(runs: &[RunData]) -> Option<Table> {
     }
     let mut columns = Vec::new();
     let names = tables.iter().flat_map(|(name, table)| vec![(*name).to_owned(); table.rows]).collect();
-    let info = ColumnInfo { name: "run".into(), kind: "string".into(), unit: None, meaning: "Which of the two results".into() };
+    let info = ColumnInfo {
+        name: "run".into(),
+        kind: "string".into(),
+        unit: None,
+        meaning: "Which of the two results".into(),
+    };
     columns.push(Column { info, values: Values::Texts(names) });
     for Column { info, .. } in &first.columns {
         let numbers: Option<Vec<&[f64]>> = tables.iter().map(|(_, table)| table.numbers(&info.name)).collect();

@@ -64,7 +64,9 @@ impl Pool<'_> {
         }
         let dir = plan.case_dir(case);
         let mut command = Command::new(self.work.program);
-        command.args(["run", "--quiet", "--no-report", "--force", "--tied", "--threads", "1", "--from"]).arg(dir.join(MANIFEST));
+        command
+            .args(["run", "--quiet", "--no-report", "--force", "--tied", "--threads", "1", "--from"])
+            .arg(dir.join(MANIFEST));
         command.arg("-o").arg(&dir).env("SUMO_BINARY", &plan.sumo.path);
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         // A terminal's Ctrl-C reaches us only, and they end with us.

@@ -54,9 +54,18 @@ mod tests {
     fn the_warnings_of_sumo_have_a_kind_and_a_lane() {
         let of = |line: &str| incident(line).map(|i| (i.kind, i.lane));
         for (line, wanted) in [
-            ("Warning: Vehicle 'a'; collision with vehicle 'b', lane='E0_0', gap=-0.50, time=35.00, stage=move.", Some(("collision", "E0_0"))),
-            ("Warning: Teleporting vehicle 'a'; waited too long (jam), lane='E1_1', time=301.00.", Some(("teleport", "E1_1"))),
-            ("Warning: Vehicle 'a' performs emergency braking on lane ':J_3_0' with decel=9.00, wished=4.50, severity=1.00, time=12.00.", Some(("emergency braking", ":J_3_0"))),
+            (
+                "Warning: Vehicle 'a'; collision with vehicle 'b', lane='E0_0', gap=-0.50, time=35.00, stage=move.",
+                Some(("collision", "E0_0")),
+            ),
+            (
+                "Warning: Teleporting vehicle 'a'; waited too long (jam), lane='E1_1', time=301.00.",
+                Some(("teleport", "E1_1")),
+            ),
+            (
+                "Warning: Vehicle 'a' performs emergency braking on lane ':J_3_0' with decel=9.00, wished=4.50, severity=1.00, time=12.00.",
+                Some(("emergency braking", ":J_3_0")),
+            ),
             ("Warning: Vehicle 'a' ends teleporting on edge 'E0', time=302.00.", None),
             ("Loading done.", None),
         ] {

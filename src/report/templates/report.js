@@ -70,8 +70,7 @@
       const slice = rows.slice(first, first + PAGE);
       body.replaceChildren(...slice.map((row) => {
         const cells = columns.map((column) => {
-          const cell = element('td', column.decimals === undefined ? { class: 'text' } : {}, shown(valueOf(column, row)));
-          return cell;
+          return element('td', column.decimals === undefined ? { class: 'text' } : {}, shown(valueOf(column, row)));
         });
         const line = element('tr', { class: row === selected ? 'selectable selected' : 'selectable' }, ...cells);
         line.addEventListener('click', () => select(row));
@@ -214,9 +213,9 @@
       const key = column.unit || column.name;
       groups.set(key, [...(groups.get(key) ?? []), column]);
     }
-    for (const group of groups.values()) {
-      const place = element('div');
-      box.append(place);
+    // All places first: how wide one is depends on how many there are.
+    const places = [...groups.values()].map((group) => [group, box.appendChild(element('div'))]);
+    for (const [group, place] of places) {
       const axis = { stroke: colour('--soft'), grid: { stroke: colour('--line'), width: 1 }, ticks: { stroke: colour('--line') } };
       const line = (column, index) => ({
         label: column.name + (column.unit ? ` [${column.unit}]` : ''),
