@@ -56,19 +56,18 @@ impl Figure {
             for (c, value) in matrix.values[r].iter().enumerate() {
                 let x = left + c as f64 * width;
                 let middle = x + 0.5 * width;
-                let text = value.map_or("–".to_owned(), |value| format!("{value:.digits$}"));
-                if let Some(value) = value {
-                    let step = ramp.step(*value);
+                let Some(value) = value else {
                     let _ = write!(
                         body,
-                        "<g class=\"v{step}\"><rect class=\"full\" x=\"{x:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{}\"/></g>",
-                        width - 1.0,
-                        CELL - 1.0
+                        "<text class=\"soft\" x=\"{middle:.1}\" y=\"{base}\" text-anchor=\"middle\">–</text>"
                     );
-                }
+                    continue;
+                };
+                let (step, width, height) = (ramp.step(*value), width - 1.0, CELL - 1.0);
                 let _ = write!(
                     body,
-                    "<text class=\"value\" x=\"{middle:.1}\" y=\"{base}\" text-anchor=\"middle\">{text}</text>"
+                    "<g class=\"v{step}\"><rect class=\"full\" x=\"{x:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height}\"/>\
+                     <text class=\"value\" x=\"{middle:.1}\" y=\"{base}\" text-anchor=\"middle\">{value:.digits$}</text></g>"
                 );
             }
         }

@@ -16,10 +16,10 @@ const BASE: &str = "\
 .fig .thin{stroke-width:1.1}.fig .road{stroke-width:3;stroke-linecap:round;vector-effect:non-scaling-stroke}\
 .fig .empty{stroke:#c9d0d9;stroke-width:1.2;vector-effect:non-scaling-stroke}\
 .fig .event{fill:#c2185b;stroke:#fff;stroke-width:1.5;vector-effect:non-scaling-stroke}.fig .full{fill:currentColor;stroke:none}\
-.fig .value{font-size:12px;paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}\
+.fig .value{font-size:12px}\
 @media(prefers-color-scheme:dark){.fig{color:#e4e9f0;background:#151a21}.fig .soft{fill:#9aa7b8}.fig .grid{stroke:#2a323d}\
 .fig .axis{stroke:#66717f}.fig .plot{fill:#1a2029}.fig .reference{stroke:#9aa7b8}.fig .mark{stroke:#ff6fa3}\
-.fig .empty{stroke:#3b4553}.fig .event{fill:#ff6fa3;stroke:#151a21}.fig .value{stroke:#151a21}}";
+.fig .empty{stroke:#3b4553}.fig .event{fill:#ff6fa3;stroke:#151a21}}";
 
 /// The hues in light and dark. Neighbours stay apart for every kind of colour vision.
 const HUES: [[&str; 2]; 8] = [
@@ -54,7 +54,11 @@ pub const STEPS: usize = RAMP.len();
 pub fn style() -> String {
     let rules = |shade: usize| {
         let rule = |(i, hue): (usize, &[&str; 2])| format!(".fig .hue{i}{{color:{}}}", hue[shade]);
-        let step = |(i, step): (usize, &[&str; 2])| format!(".fig .v{i}{{color:{}}}", step[shade]);
+        // Text on a step is dark where the step is light: at the beginning of the ramp in light, at its end in dark.
+        let ink = |i: usize| if (i < STEPS / 2) == (shade == 0) { "#14181f" } else { "#fff" };
+        let step = |(i, step): (usize, &[&str; 2])| {
+            format!(".fig .v{i}{{color:{}}}.fig .v{i} .value{{fill:{}}}", step[shade], ink(i))
+        };
         HUES.iter().enumerate().map(rule).chain(RAMP.iter().enumerate().map(step)).collect::<String>()
     };
     format!("{BASE}{}@media(prefers-color-scheme:dark){{{}}}", rules(0), rules(1))

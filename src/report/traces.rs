@@ -6,7 +6,7 @@ use super::figures::lower;
 use super::groups::NAMES;
 use super::number::counted;
 use super::page::FigureView;
-use super::table::Table;
+use super::table::{Column, ColumnInfo, Table, Values};
 use crate::figure::{Chart, Curve, Figure};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -17,8 +17,8 @@ const SAMPLED: usize = 30_000;
 /// Rows of one vehicle. With less than the second number a curve says little, so that rather vehicles are left out.
 const ROWS: [usize; 2] = [4000, 300];
 
-/// What is shown over time, where a table has it; the figures on paper, and those of the script.
-const SHOWN: [&str; 7] = ["target", "reference", "speed", "measured_speed", "torque", "alpha_hat", "f_hat"];
+/// What is shown over time, where a table has it. What comes later is drawn on top.
+const SHOWN: [&str; 7] = ["measured_speed", "speed", "reference", "target", "torque", "alpha_hat", "f_hat"];
 
 /// The rows of every vehicle of a table.
 fn by_vehicle(table: &Table) -> BTreeMap<&str, Vec<usize>> {
@@ -44,17 +44,52 @@ fn sources(run: &RunData) -> Vec<Source<'_>> {
     trace.into_iter().chain(sample).collect()
 }
 
+/// The columns that are shown of a table: first what tells most, how far the speed is from what it should be.
+fn columns(table: &Table) -> Vec<Column> {
+    let error = ["reference", "target"].into_iter().find_map(|wanted| {
+        let (speeds, wished) = (table.numbers("speed")?, table.numbers(wanted)?);
+        let known = &table.column("speed")?.info;
+        let info = ColumnInfo {
+            name: format!("speed − {wanted}"),
+            meaning: format!("Difference of speed and {wanted}"),
+            ..known.clone()
+        };
+        let values = speeds.iter().zip(wished).map(|(speed, wish)| speed - wish).collect();
+        Some(Column { info, values: Values::Numbers(values) })
+    });
+    error.into_iter().chain(SHOWN.iter().filter_map(|name| table.column(name)).cloned()).collect()
+}
+
+/// How large the errors of every vehicle are, the largest of those that share an id.
+fn errors(run: &RunData) -> BTreeMap<&str, f64> {
+    let mut errors = BTreeMap::new();
+    let table = run.vehicles.as_ref().and_then(|table| Some((table.texts("id")?, table.numbers("error_rms")?)));
+    for (id, error) in table.into_iter().flat_map(|(ids, errors)| ids.iter().zip(errors)) {
+        let known: &mut f64 = errors.entry(id.as_str()).or_insert(0.0);
+        *known = known.max(*error);
+    }
+    errors
+}
+
 /// The series of all runs for the script, and what was left out, in words.
 pub fn series(runs: &[RunData], wanted: Option<&str>) -> (Vec<Value>, Vec<String>) {
     let (mut all, mut notes) = (Vec::new(), Vec::new());
     for (run, name) in runs.iter().zip(NAMES) {
         let name = if runs.len() > 1 { name } else { "" };
+        let errors = errors(run);
+        let error = |id: &str| errors.get(id).copied().unwrap_or(0.0);
         for (source, table, budget) in sources(run) {
             let vehicles = by_vehicle(table);
             let most = (budget / runs.len() / vehicles.len().max(1)).clamp(ROWS[1], ROWS[0]);
             let (mut left, mut kept, mut thin) = (budget / runs.len(), 0, false);
+            let shown = columns(table);
+            let time = table.column("time");
+            // Those with the largest errors are looked at first.
             let mut ordered: Vec<_> = vehicles.iter().collect();
-            ordered.sort_by_key(|(id, _)| Some(**id) != wanted);
+            ordered.sort_by(|(a, _), (b, _)| {
+                let last = |id: &str| Some(id) != wanted;
+                last(a).cmp(&last(b)).then(error(b).total_cmp(&error(a)))
+            });
             for (id, rows) in &ordered {
                 let most = if Some(**id) == wanted { ROWS[0] } else { most };
                 let taken = thinned(rows, most);
@@ -64,9 +99,7 @@ pub fn series(runs: &[RunData], wanted: Option<&str>) -> (Vec<Value>, Vec<String
                 left = left.saturating_sub(taken.len());
                 kept += 1;
                 thin |= taken.len() < rows.len();
-                let shown = |name: &&str| table.column(name);
-                let columns: Vec<Value> =
-                    ["time"].iter().chain(&SHOWN).filter_map(shown).map(|column| packed(column, &taken)).collect();
+                let columns: Vec<Value> = time.into_iter().chain(&shown).map(|column| packed(column, &taken)).collect();
                 all.push(json!({ "id": id, "run": name, "source": source, "columns": columns }));
             }
             if kept < vehicles.len() {
@@ -95,29 +128,31 @@ pub fn figures(run: &RunData, label: Option<&str>, id: &str) -> Vec<FigureView> 
         sources(run).into_iter().find_map(|(source, table, _)| Some((source, table, by_vehicle(table).remove(id)?)));
     let Some((source, table, rows)) = found else { return Vec::new() };
     let Some(times) = table.numbers("time") else { return Vec::new() };
-    let mut by_unit: Vec<(String, Vec<&str>)> = Vec::new();
-    for column in SHOWN.iter().filter_map(|name| table.column(name)) {
+    let mut by_unit: Vec<(String, Vec<Column>)> = Vec::new();
+    for column in columns(table) {
         let unit = column.info.unit.clone().unwrap_or_else(|| "1".to_owned());
-        match by_unit.iter_mut().find(|(known, _)| *known == unit) {
-            Some((_, names)) => names.push(&column.info.name),
-            None => by_unit.push((unit, vec![&column.info.name])),
+        let alone = column.info.name.contains(" − ");
+        match by_unit.iter_mut().find(|(known, columns)| *known == unit && !columns[0].info.name.contains(" − ")) {
+            Some((_, columns)) if !alone => columns.push(column),
+            _ => by_unit.push((unit, vec![column])),
         }
     }
-    let chart = |(unit, names): (String, Vec<&str>)| {
-        let curve = |(place, name): (usize, &&str)| {
-            let values = table.numbers(name)?;
+    let of = label.map(|label| format!(", {label}")).unwrap_or_default();
+    let chart = |(unit, columns): (String, Vec<Column>)| {
+        let curve = |(place, column): (usize, &Column)| {
+            let Values::Numbers(values) = &column.values else { return None };
             let points = rows.iter().map(|row| (times[*row], values[*row])).collect();
-            Some(Curve::of(name, points).in_style(&format!("hue{place}")))
+            Some(Curve::of(&column.info.name, points).in_style(&format!("hue{place}")))
         };
-        let curves: Vec<Curve> = names.iter().enumerate().filter_map(curve).collect();
-        let (y, of) = (format!("[{unit}]"), label.map(|label| format!(", {label}")).unwrap_or_default());
-        let title = format!("{}{of}", names.join(", "));
+        let names: Vec<&str> = columns.iter().map(|column| column.info.name.as_str()).collect();
+        let (y, title) = (format!("[{unit}]"), format!("{}{of}", names.join(", ")));
+        let curves = columns.iter().enumerate().filter_map(curve).collect();
         let chart = Chart { title, x: "simulation time [s]", y: &y, curves, ..Chart::default() };
-        let meanings = names.iter().filter_map(|name| table.column(name));
-        let meanings: Vec<String> =
-            meanings.map(|column| format!("{}: {}", column.info.name, lower(&column.info.meaning))).collect();
+        let meaning = |column: &Column| format!("{}: {}", column.info.name, lower(&column.info.meaning));
+        let meanings: Vec<String> = columns.iter().map(meaning).collect();
         let caption = format!("From the {source}, in {unit} over time in s. {}.", meanings.join("; "));
-        let stem = format!("vehicle_{}{}", names[0], label.map(|label| format!("_{label}")).unwrap_or_default());
+        let stem: String = names[0].chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let stem = format!("vehicle_{stem}{}", label.map(|label| format!("_{label}")).unwrap_or_default());
         FigureView::new(&Figure::chart(&stem, &chart), caption)
     };
     by_unit.into_iter().map(chart).collect()

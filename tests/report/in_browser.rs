@@ -79,9 +79,9 @@ fn a_vehicle_can_be_chosen_and_linked_to() {
     browser.click("#vehicles-table tbody tr td:nth-child(2)");
     assert_eq!(browser.js("location.hash"), json!("#veh=5"));
     assert_eq!(browser.js(&format!("{panel}.querySelector('h3').textContent")), json!("Vehicle 5"));
-    // Speeds, torque, alpha and F of its trace, none beside the panel or over another.
+    // Error, speeds, torque, alpha and F of its trace, none beside the panel or over another.
     let charts = format!("[...{panel}.querySelectorAll('canvas')]");
-    assert_eq!(browser.js(&format!("{charts}.length")), json!(4));
+    assert_eq!(browser.js(&format!("{charts}.length")), json!(5));
     let overlap = browser.js(&format!(
         "(() => {{ const all = {charts}.map((c) => c.getBoundingClientRect()); const box = {panel}.getBoundingClientRect();
           return all.some((a, i) => a.right > box.right + 1 || all.some((b, k) => k > i && a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1)); }})()"

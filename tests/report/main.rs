@@ -187,7 +187,7 @@ fn a_vehicle_that_is_asked_for_has_its_curves_as_figures() {
     report(&[city()], &["--vehicle", &traced, "-o", page.to_str().unwrap()]);
     let text = fs::read_to_string(&page).unwrap();
     assert!(text.contains(&format!("<h2>Vehicle {traced}</h2>")) && text.contains("figure-vehicle_alpha_hat"));
-    assert!(folder.path().join("one/vehicle_target.svg").is_file(), "figures go beside their page");
+    assert!(folder.path().join("one/vehicle_measured_speed.svg").is_file(), "figures go beside their page");
     assert!(text.contains(&format!("\"selected\":\"{traced}\"")));
 }
 

@@ -68,7 +68,7 @@ pub fn copied(dir: &Path) -> TempDir {
             if entry.path().is_dir() {
                 copy(&entry.path(), &target)
             } else {
-                drop(fs::copy(entry.path(), target).unwrap())
+                let _ = fs::copy(entry.path(), target).unwrap();
             }
         }
     }

@@ -198,7 +198,7 @@
       redraw();
     } else {
       redraw = null;
-      box.append(element('p', { class: 'soft' }, 'No curves: the vehicle is neither traced nor in the sample of at most 200. Run again with --trace ID.'));
+      box.append(element('p', { class: 'soft' }, 'No curves: the vehicle is neither traced (run --trace ID) nor in the sample, or this page leaves its curves out for their size; sumo-mfc report DIR --vehicle ID puts them in.'));
     }
     box.append(element('details', {}, element('summary', {}, 'All columns'), facts));
   }
@@ -210,7 +210,8 @@
     const times = values(time);
     const groups = new Map();
     for (const column of columns) {
-      const key = column.unit || column.name;
+      // Differences are small beside what they are differences of.
+      const key = column.name.includes(' − ') ? column.name : column.unit || column.name;
       groups.set(key, [...(groups.get(key) ?? []), column]);
     }
     // All places first: how wide one is depends on how many there are.
