@@ -1,7 +1,7 @@
 //! The result of a run or a study as one HTML page, made from the files of its folder alone.
 //!
-//! The way is one: the folder is read ([`data`]), numbers become sections of tables and figures ([`run_page`],
-//! [`study_page`]), these are a [`page::Page`], and a template makes HTML of it. Everything that the page says can be read
+//! The way is one: the folder is read (`data`), numbers become sections of tables and figures (`run_page`, `study_page`),
+//! these are a `page::Page`, and a template makes HTML of it. Everything that the page says can be read
 //! without JavaScript; the script adds sorting, filtering, curves of a vehicle, and zoom.
 
 mod compact;

@@ -7,6 +7,8 @@ use std::fmt::Write;
 
 /// Up to so many roads tell their name and value; more of them would make the file large.
 const NAMED: usize = 4000;
+/// Corners nearer to each other than this are one, in units of the drawing.
+const NEAR: f64 = 0.8;
 
 /// One road.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -69,8 +71,9 @@ impl Figure {
             height - TOP
         );
         let path = |road: &Road| {
-            let corners = road.shape.iter().map(place).map(|[x, y]| format!("{x:.1} {y:.1}"));
-            format!("M{}", corners.collect::<Vec<_>>().join("L"))
+            let corners = thinned(road.shape.iter().map(place).collect());
+            let corners: Vec<String> = corners.iter().map(|[x, y]| format!("{x:.1} {y:.1}")).collect();
+            format!("M{}", corners.join("L"))
         };
         let empty: String = roads.roads.iter().filter(|road| road.value.is_none()).map(path).collect();
         if !empty.is_empty() {
@@ -88,6 +91,19 @@ impl Figure {
         body += "</g></svg>";
         Self::drawn(name, &roads.title, body, height)
     }
+}
+
+/// A line without corners that are too near the last one to be seen; its ends stay.
+fn thinned(corners: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let end = corners.len().saturating_sub(1);
+    let mut kept: Vec<[f64; 2]> = Vec::new();
+    for (index, corner) in corners.iter().enumerate() {
+        let far = kept.last().is_none_or(|last| libm::hypot(corner[0] - last[0], corner[1] - last[1]) > NEAR);
+        if far || index == end {
+            kept.push(*corner);
+        }
+    }
+    kept
 }
 
 /// The roads with a value, the largest on top.

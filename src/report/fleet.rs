@@ -22,7 +22,7 @@ pub fn counts(runs: &[RunData], names: &[String]) -> Option<TableView> {
         let of_sumo = [
             ("sumo.inserted", sumo.inserted.to_string()),
             ("sumo.arrived", sumo.arrived.to_string()),
-            ("sumo.time_loss_mean_s", or_dash(sumo.time_loss_mean_s)),
+            ("sumo.mean time loss [s]", or_dash(sumo.time_loss_mean_s)),
             ("sumo.collisions", sumo.collisions.to_string()),
             ("sumo.teleports", sumo.teleports.to_string()),
         ];

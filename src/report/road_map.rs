@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 /// Columns of `edges.csv` that colour the roads, the first that is there, and the words for it.
 const COLUMNS: [(&str, &str); 3] =
     [("speed_gap_rms", "RMS speed gap"), ("error_rms", "RMS tracking error"), ("speed_mean", "mean speed")];
+/// Roads up to which those within junctions are drawn, too.
+const SMALL: usize = 4000;
 /// Incidents that are drawn; more would hide the roads.
 const DRAWN: usize = 500;
 
@@ -39,7 +41,8 @@ fn map(
     ramp: &Ramp,
 ) -> Option<FigureView> {
     let network = run.roads.as_ref()?;
-    let drawn = |road: &&NetworkRoad| !road.edge.starts_with(':') || values.contains_key(road.edge.as_str());
+    let small = network.len() <= SMALL;
+    let drawn = |road: &&NetworkRoad| !road.edge.starts_with(':') || small && values.contains_key(road.edge.as_str());
     let road = |road: &NetworkRoad| Road {
         id: road.edge.clone(),
         shape: road.shape.clone(),

@@ -10,7 +10,10 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use results::{Cells, HOSTILE, city, copied, failed_report, replaced, report, report_of, shown, study, with_vehicles};
+use results::{
+    Cells, HOSTILE, city, copied, failed_report, plain, replaced, report, report_of, rounded, shown, study,
+    with_vehicles,
+};
 use support::{NEW, Running, json, number, run_command, table};
 
 #[test]
@@ -59,7 +62,7 @@ fn the_page_is_one_file_that_asks_nobody() {
 #[test]
 fn the_head_says_how_to_do_it_again() {
     let run = city();
-    let page = fs::read_to_string(run.join("report.html")).unwrap();
+    let page = plain(&fs::read_to_string(run.join("report.html")).unwrap());
     let manifest = json(&run.join("run.json"));
     assert!(page.contains(&format!("sumo-mfc run --from {}", run.join("run.json").display())), "the command");
     for input in manifest["inputs"].as_array().unwrap() {
@@ -248,10 +251,10 @@ fn a_study_has_its_table_curves_and_failures() {
     for (row, cells) in errors.iter().zip(&cells.rows) {
         assert_eq!([&cells[0], &cells[1]], [&row["controller.name"], &row["controller.k_p"]]);
         let (mean, half) = cells[2].split_once(" ± ").unwrap();
-        assert!(shown(mean, number(row, "mean")) && shown(half, number(row, "ci95")), "{row:?} as {cells:?}");
+        assert!(rounded(mean, number(row, "mean")) && rounded(half, number(row, "ci95")), "{row:?} as {cells:?}");
         if !row["diff"].is_empty() {
             let difference = cells[3].split(" ± ").next().unwrap().trim_start_matches('+');
-            assert!(shown(difference, number(row, "diff")), "{row:?} as {cells:?}");
+            assert!(rounded(difference, number(row, "diff")), "{row:?} as {cells:?}");
         }
     }
     for wanted in [

@@ -149,16 +149,20 @@ pub fn multiplied(dir: &Path, vehicles: usize) -> TempDir {
     folder
 }
 
-/// Whether a number is shown as it is, but for rounding.
+/// Whether a number is shown as it is but for rounding, with digits enough.
 pub fn shown(text: &str, value: f64) -> bool {
+    let digits = text.split('e').next().unwrap().chars().filter(char::is_ascii_digit).collect::<String>();
+    // Whole numbers are whole.
+    rounded(text, value) && (value == value.round() || digits.trim_start_matches('0').len() >= 4)
+}
+
+/// Whether a number is shown as it is but for rounding.
+pub fn rounded(text: &str, value: f64) -> bool {
     let number = text.split('e').next().unwrap();
     let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len()) as i32;
     let exponent: i32 = text.split_once('e').map_or(0, |(_, exponent)| exponent.parse().unwrap());
-    let digits = number.chars().filter(char::is_ascii_digit).collect::<String>().trim_start_matches('0').len();
     let last = 10_f64.powi(exponent - decimals);
-    // Whole numbers are whole, all others have digits enough.
-    let enough = digits >= 2 || value == value.round();
-    enough && text.parse().is_ok_and(|text: f64| (text - value).abs() <= 0.500_001 * last)
+    text.parse().is_ok_and(|text: f64| (text - value).abs() <= 0.500_001 * last)
 }
 
 /// A table of a page.
@@ -188,7 +192,8 @@ impl Cells {
     }
 }
 
-fn plain(html: &str) -> String {
+/// The text that HTML shows.
+pub fn plain(html: &str) -> String {
     let entities = BTreeMap::from([("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#x27;", "'"), ("&#x2f;", "/")]);
     entities.iter().fold(html.to_owned(), |text, (entity, c)| text.replace(entity, c)).replace("&amp;", "&")
 }
