@@ -17,7 +17,7 @@ pub struct RunData {
     pub manifest: Manifest,
     /// `summary.json`.
     pub summary: Option<Summary>,
-    /// The vehicles.
+    /// The vehicles, with their drive quality.
     pub vehicles: Option<Table>,
     /// The roads.
     pub edges: Option<Table>,
@@ -60,7 +60,8 @@ impl RunData {
             let info = schema.files.get(name).cloned().unwrap_or_default();
             Table::read(&path, &info).map(Some)
         };
-        let vehicles = table(&named("vehicles.csv", "depart"), true)?;
+        let mut vehicles = table(&named("vehicles.csv", "controller"), true)?;
+        let quality = table("quality.csv", false)?;
         let (edges, sample) = (table("edges.csv", true)?, table("sample.csv", true)?);
         let trace_name = named("trace.csv", "alpha_hat");
         let trace = if trace_name.ends_with(".xml") {
@@ -77,6 +78,11 @@ impl RunData {
                 None
             }
         };
+        if let (Some(vehicles), Some(quality)) = (&mut vehicles, quality)
+            && !vehicles.append(quality)
+        {
+            missing.push("quality.csv is not of the vehicles of the table of vehicles: it is left out.".to_owned());
+        }
         let roads = roads(&manifest, &mut missing);
         let dir = dir.to_owned();
         Ok(Self { dir, manifest, summary, vehicles, edges, sample, trace, roads, incidents, missing })

@@ -52,6 +52,8 @@ pub struct Section {
     pub figures: Vec<FigureView>,
     /// A part of the section above: its title is smaller.
     pub nested: bool,
+    /// Folded below its title.
+    pub folded: bool,
 }
 
 /// A cell: its text, and a class that says how it is shown (`text`, `yes`, `no`, or nothing for numbers).

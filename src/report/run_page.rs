@@ -17,6 +17,9 @@ use std::collections::BTreeMap;
 /// Lines of SUMO's log that are shown of each kind.
 const LINES: usize = 20;
 
+/// What a page takes without figures and data: styles, script, tables \[bytes\].
+const OWN: usize = 150_000;
+
 /// The page.
 ///
 /// # Errors
@@ -52,8 +55,10 @@ pub fn page(runs: &[RunData], vehicle: Option<&str>) -> Result<Page, ReportError
     }
     if let Some(table) = vehicles::joined(runs) {
         let (series, mut text) = traces::series(runs, vehicle);
-        let used = series.iter().map(|series| series.to_string().len()).sum::<usize>();
-        let data = vehicles::data(&table, &series, vehicle, used.saturating_sub(600_000));
+        let drawn: usize =
+            page.sections.iter().flat_map(|section| &section.figures).map(|figure| figure.file.len()).sum();
+        let used = OWN + drawn + series.iter().map(|series| series.to_string().len()).sum::<usize>();
+        let data = vehicles::data(&table, &series, vehicle, used);
         if data["stride"] != 1 {
             text.insert(0, format!(
                 "{} of {} vehicles are in this table, every {}th and those with curves: all would make the page too large. All figures and the table of the fleet are made from all vehicles.",

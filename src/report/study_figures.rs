@@ -21,6 +21,8 @@ pub struct MetricRows<'a> {
     pub name: &'a str,
     /// Its title with its unit.
     pub titled: String,
+    /// Its name with its unit, for axes and captions.
+    pub axis: String,
     /// What it is called in a sentence.
     pub words: String,
     /// Its rows, setting by setting.
@@ -38,11 +40,19 @@ impl<'a> MetricRows<'a> {
                 None => {
                     let (title, unit) = (study.title(name), row.text("unit"));
                     let titled = if unit.is_empty() { title.clone() } else { format!("{title} [{unit}]") };
-                    all.push(Self { name, titled, words: lower(&title), rows: vec![row] });
+                    // "Tracking: error_rms": the group of a metric is told once, in the title of its section.
+                    let words = lower(title.split_once(": ").map_or(title.as_str(), |(_, words)| words));
+                    let axis = if unit.is_empty() { words.clone() } else { format!("{words} [{unit}]") };
+                    all.push(Self { name, titled, axis, words, rows: vec![row] });
                 }
             }
         }
         all
+    }
+
+    /// Whether any setting has a value.
+    pub fn is_known(&self) -> bool {
+        self.rows.iter().any(|row| row.number("mean").is_some())
     }
 
     /// Whether any two settings differ in it.
@@ -76,15 +86,15 @@ pub fn intervals(study: &StudyData, metric: &MetricRows) -> Option<FigureView> {
     let title = if paired { format!("{}: difference to the reference", metric.words) } else { metric.words.clone() };
     let figure = Figure::spans(
         &format!("intervals_{}", metric.name),
-        &Spans { title, unit: &metric.titled, spans, from_zero: paired },
+        &Spans { title, unit: &metric.axis, spans, from_zero: paired },
     );
     let caption = if paired {
         format!(
             "Paired difference of {} to the reference, mean over the seeds with the 95 % interval; * p < 0.05 after Holm.",
-            metric.titled
+            metric.axis
         )
     } else {
-        format!("{}: mean over the seeds with its 95 % interval.", metric.titled)
+        format!("{}: mean over the seeds with its 95 % interval.", metric.axis)
     };
     Some(FigureView::new(&figure, caption))
 }
@@ -142,11 +152,11 @@ pub fn curves(study: &StudyData, metric: &MetricRows, key: usize) -> Option<Figu
         drawn.push(Curve::of(&name, line).in_style(&style));
     }
     let title = format!("{} over {}", metric.words, keys[key]);
-    let chart = Chart { title, x: &keys[key], y: &metric.titled, bands, curves: drawn, isotropic: false };
+    let chart = Chart { title, x: &keys[key], y: &metric.axis, bands, curves: drawn, isotropic: false };
     let figure = Figure::chart(&format!("curve_{}_{}", metric.name, stem(&keys[key])), &chart);
     let rest =
         if left_out > 0 { format!(" {left_out} more settings of the other keys are left out.") } else { String::new() };
-    let caption = format!("{}: mean over the seeds; the bands are its 95 % intervals.{rest}", metric.titled);
+    let caption = format!("{}: mean over the seeds; the bands are its 95 % intervals.{rest}", metric.axis);
     Some(FigureView::new(&figure, caption))
 }
 
@@ -177,14 +187,14 @@ pub fn matrices(study: &StudyData, metric: &MetricRows, pair: [usize; 2]) -> Vec
             title: format!("{}{of}", metric.words),
             x: &keys[pair[1]],
             y: &keys[pair[0]],
-            unit: &metric.titled,
+            unit: &metric.axis,
             columns: columns.clone(),
             rows: rows.clone(),
             values,
         };
         let number = if place == 0 { String::new() } else { format!("_{}", place + 1) };
         let stem = format!("heat_{}_{}_{}{number}", metric.name, stem(&keys[pair[0]]), stem(&keys[pair[1]]));
-        let caption = format!("{} over {} and {}, mean over the seeds.", metric.titled, keys[pair[0]], keys[pair[1]]);
+        let caption = format!("{} over {} and {}, mean over the seeds.", metric.axis, keys[pair[0]], keys[pair[1]]);
         FigureView::new(&Figure::matrix(&stem, &matrix), caption)
     };
     tables.into_iter().enumerate().map(figure).collect()

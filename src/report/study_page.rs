@@ -7,11 +7,10 @@ use super::page::{Cell, Head, Page, Section, TableView};
 use super::study_data::{Compared, StudyData};
 use super::study_figures::{MetricRows, curves, divides, intervals, matrices};
 
-/// Metrics whose tables are open and whose figures come first.
-const FIRST: [&str; 4] = ["error_rms_mean", "speed_gap_rms_mean", "timeloss_mean", "collisions"];
-/// Metrics of which all figures are drawn.
-const DRAWN: [&str; 6] =
-    ["error_rms_mean", "speed_gap_rms_mean", "lead_limited_mean", "overshoot_mean", "jerk_rms_mean", "timeloss_mean"];
+/// Metrics whose tables and figures are open.
+const OPEN: [&str; 5] = ["error_rms_mean", "speed_gap_rms_mean", "timeloss_mean", "energy_per_km_mean", "collisions"];
+/// Metrics that say how large a study is, rather than what differs in it.
+const COUNTS: [&str; 2] = ["egos", "inserted"];
 /// Fewer seeds than these are too few for an interval to be believed.
 const FEW_SEEDS: usize = 5;
 
@@ -97,8 +96,7 @@ fn figures(study: &StudyData) -> Vec<Section> {
     let metrics = MetricRows::all(study);
     let keys = study.plan.keys.len();
     let dividing: Vec<usize> = (0..keys).filter(|key| divides(study, *key)).collect();
-    for name in DRAWN {
-        let Some(metric) = metrics.iter().find(|metric| metric.name == name && metric.varies()) else { continue };
+    for metric in metrics.iter().filter(|metric| metric.varies() && !COUNTS.contains(&metric.name)) {
         let mut figures: Vec<_> = (0..keys).filter_map(|key| curves(study, metric, key)).collect();
         figures.extend(intervals(study, metric));
         for (i, first) in dividing.iter().enumerate() {
@@ -106,8 +104,9 @@ fn figures(study: &StudyData) -> Vec<Section> {
                 figures.extend(matrices(study, metric, [*first, *second]));
             }
         }
-        let (id, title) = (format!("figures-{name}"), metric.titled.clone());
-        sections.push(Section { id, title, figures, nested: true, ..Section::default() });
+        let (id, title) = (format!("figures-{}", metric.name), metric.titled.clone());
+        let folded = !OPEN.contains(&metric.name);
+        sections.push(Section { id, title, figures, nested: true, folded, ..Section::default() });
     }
     if sections.len() > 1 { sections } else { Vec::new() }
 }
@@ -135,7 +134,7 @@ fn comparison(study: &StudyData, label: Option<&str>) -> Section {
          where p < 0.05 after Holm over all settings and metrics. Same vehicles: those that arrived in both runs."
             .to_owned(),
     );
-    for metric in MetricRows::all(study) {
+    for metric in MetricRows::all(study).into_iter().filter(MetricRows::is_known) {
         let mut head: Vec<Head> = study.plan.keys.iter().map(|key| Head::text(key, "varied key")).collect();
         head.extend([
             Head::number("mean", "mean over the seeds ± half width of its 95 % interval"),
@@ -168,7 +167,7 @@ fn comparison(study: &StudyData, label: Option<&str>) -> Section {
         section.tables.push(TableView {
             id: format!("comparison-{}{}", metric.name, label.unwrap_or_default()),
             fold: metric.titled.clone(),
-            open: FIRST.contains(&metric.name),
+            open: OPEN.contains(&metric.name),
             head,
             rows: metric.rows.iter().map(row).collect(),
             ..TableView::default()
@@ -246,7 +245,7 @@ fn side_by_side(a: &StudyData, b: &StudyData) -> Section {
             section.tables.push(TableView {
                 id: format!("side-{}", metric.name),
                 fold: metric.titled.clone(),
-                open: FIRST.contains(&metric.name),
+                open: OPEN.contains(&metric.name),
                 head: keys.chain(numbers).collect(),
                 rows,
                 ..TableView::default()

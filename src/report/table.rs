@@ -146,6 +146,19 @@ impl Table {
         Ok(())
     }
 
+    /// Appends the columns that this table does not have, if the other is of the same vehicles in the same order.
+    /// False if it is not.
+    #[must_use]
+    pub fn append(&mut self, other: Self) -> bool {
+        let same = self.rows == other.rows && self.texts("id") == other.texts("id");
+        if same {
+            let new = other.columns.into_iter().filter(|column| self.column(&column.info.name).is_none());
+            let new: Vec<Column> = new.collect();
+            self.columns.extend(new);
+        }
+        same
+    }
+
     /// A column by name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.info.name == name)

@@ -11,8 +11,10 @@ use std::collections::HashSet;
 
 /// Rows that can be read without the script.
 const STATIC: usize = 50;
-/// What the data of the table may take in the page \[bytes\].
-const BUDGET: usize = 3_400_000;
+/// What a page may take with all that is in it \[bytes\].
+const BUDGET: usize = 4_800_000;
+/// What the table may take even if the rest of the page is large \[bytes\].
+const LEAST: usize = 1_000_000;
 /// Rows by which the size of all is guessed.
 const PROBE: usize = 500;
 
@@ -79,12 +81,12 @@ pub fn table(vehicles: &Table) -> TableView {
 }
 
 /// The data of the script: all rows, or evenly taken ones if all would make the page too large. `needed` are ids that
-/// must be among them.
-pub fn data(vehicles: &Table, series: &[Value], needed: Option<&str>, budget_used: usize) -> Value {
+/// must be among them, `used` what the rest of the page takes \[bytes\].
+pub fn data(vehicles: &Table, series: &[Value], needed: Option<&str>, used: usize) -> Value {
     let probe: Vec<usize> = (0..vehicles.rows).step_by(vehicles.rows.div_ceil(PROBE).max(1)).collect();
     let pack = |rows: &[usize]| vehicles.columns.iter().map(|column| packed(column, rows)).collect::<Vec<_>>();
     let guess = json!(pack(&probe)).to_string().len() as f64 / probe.len().max(1) as f64;
-    let budget = BUDGET.saturating_sub(budget_used).max(BUDGET / 4) as f64;
+    let budget = BUDGET.saturating_sub(used).max(LEAST) as f64;
     let stride = ((guess * vehicles.rows as f64 / budget).ceil() as usize).max(1);
     let with_series: HashSet<&str> = series.iter().filter_map(|series| series["id"].as_str()).chain(needed).collect();
     let ids = vehicles.texts("id");

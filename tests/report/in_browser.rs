@@ -65,7 +65,7 @@ fn vehicles_can_be_sorted_filtered_and_saved() {
     assert_eq!(browser.js(COUNT), json!(format!("{buses} of {} vehicles", rows.len())));
     let saved = browser.js("report.csv()");
     let mut saved = csv::Reader::from_reader(saved.as_str().unwrap().as_bytes());
-    assert_eq!(saved.headers().unwrap().len(), rows[0].len());
+    assert!(saved.headers().unwrap().len() > rows[0].len(), "the columns of quality.csv come with them");
     let saved: Vec<crate::support::Row> = saved.deserialize().map(Result::unwrap).collect();
     assert_eq!(saved.len(), buses);
     for row in &saved {

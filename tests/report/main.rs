@@ -37,12 +37,15 @@ fn the_numbers_of_the_page_are_those_of_the_files() {
     // Without the script, the table has the vehicles with the largest errors.
     let mut rows = table(&run.join("vehicles.csv"));
     rows.sort_by(|a, b| number(b, "error_rms").total_cmp(&number(a, "error_rms")));
+    let quality = table(&run.join("quality.csv")).into_iter().map(|row| (row["id"].clone(), row));
+    let quality: std::collections::BTreeMap<String, support::Row> = quality.collect();
     let vehicles = Cells::of(&page, "vehicles-table");
+    assert!(vehicles.head.iter().any(|header| header == "energy_per_km [Wh/km]"), "{:?}", vehicles.head);
     assert_eq!(vehicles.rows.len(), 50);
     for (row, cells) in rows.iter().zip(&vehicles.rows) {
         for (header, cell) in vehicles.head.iter().zip(cells) {
             let column = header.split(" [").next().unwrap();
-            let wanted = &row[column];
+            let wanted = row.get(column).unwrap_or_else(|| &quality[&row["id"]][column]);
             let same = wanted.parse().map_or_else(|_| *wanted == *cell, |wanted| shown(cell, wanted));
             assert!(same || wanted.is_empty() && cell == "–", "{column}: {wanted}, shown as {cell}");
         }

@@ -115,13 +115,19 @@ pub fn replaced(path: &Path, from: &str, to: &str) {
 
 /// Changes the rows of `vehicles.csv`.
 pub fn with_vehicles(dir: &Path, change: impl FnOnce(&mut Vec<Vec<String>>)) {
-    let path = dir.join("vehicles.csv");
-    let mut reader = csv::Reader::from_path(&path).unwrap();
+    with_rows(&dir.join("vehicles.csv"), |header, rows| {
+        assert_eq!(&header[12], "error_rms");
+        change(rows);
+    });
+}
+
+/// Changes the rows of a table.
+fn with_rows(path: &Path, change: impl FnOnce(&csv::StringRecord, &mut Vec<Vec<String>>)) {
+    let mut reader = csv::Reader::from_path(path).unwrap();
     let header = reader.headers().unwrap().clone();
-    assert_eq!(&header[12], "error_rms");
     let mut rows: Vec<Vec<String>> = reader.deserialize().map(Result::unwrap).collect();
-    change(&mut rows);
-    let mut writer = csv::Writer::from_path(&path).unwrap();
+    change(&header, &mut rows);
+    let mut writer = csv::Writer::from_path(path).unwrap();
     writer.write_record(&header).unwrap();
     rows.iter().for_each(|row| writer.write_record(row).unwrap());
     writer.flush().unwrap();
@@ -130,22 +136,25 @@ pub fn with_vehicles(dir: &Path, change: impl FnOnce(&mut Vec<Vec<String>>)) {
 /// A result of so many vehicles: the rows of a real run again and again, with ids and values of their own.
 pub fn multiplied(dir: &Path, vehicles: usize) -> TempDir {
     let folder = copied(dir);
-    with_vehicles(folder.path(), |rows| {
-        let first = std::mem::take(rows);
-        for number in 0..vehicles {
-            let mut row = first[number % first.len()].clone();
-            let round = number / first.len();
-            if round > 0 {
-                row[0] = format!("{}.{round}", row[0]);
-                // Other digits in every number that has some.
-                for cell in row.iter_mut().skip(4).filter(|cell| cell.contains('.')) {
-                    let value: f64 = cell.parse().unwrap();
-                    *cell = (value * (1.0 + 0.001 * (number % 997) as f64 / 997.0)).to_string();
+    for table in ["vehicles.csv", "quality.csv"] {
+        with_rows(&folder.path().join(table), |header, rows| {
+            let first = std::mem::take(rows);
+            let after_depart = header.iter().position(|column| column == "depart").unwrap() + 1;
+            for number in 0..vehicles {
+                let mut row = first[number % first.len()].clone();
+                let round = number / first.len();
+                if round > 0 {
+                    row[0] = format!("{}.{round}", row[0]);
+                    // Other digits in every number that has some.
+                    for cell in row.iter_mut().skip(after_depart).filter(|cell| cell.contains('.')) {
+                        let value: f64 = cell.parse().unwrap();
+                        *cell = (value * (1.0 + 0.001 * (number % 997) as f64 / 997.0)).to_string();
+                    }
                 }
+                rows.push(row);
             }
-            rows.push(row);
-        }
-    });
+        });
+    }
     folder
 }
 
