@@ -4,8 +4,10 @@ use super::table::{Column, Values};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// Digits that are kept of the largest number of a column.
-const DIGITS: f64 = 5.0;
+/// Digits that are kept of the largest number of a column, unless a typical one has enough with less.
+const LARGEST: f64 = 5.0;
+/// Digits that are kept of the median.
+const TYPICAL: f64 = 4.0;
 /// Decimals that a time keeps: SUMO's are whole milliseconds.
 const TIME_DECIMALS: i32 = 3;
 
@@ -36,11 +38,16 @@ pub fn packed(column: &Column, rows: &[usize]) -> Value {
     }
 }
 
-/// The decimals that show all of these numbers exactly, but no more than their largest needs for five digits.
+/// The decimals that show all of these numbers exactly, but no more than their largest needs for five digits or their
+/// median for four.
 fn decimals(numbers: impl Iterator<Item = f64> + Clone, time: bool) -> i32 {
     let numbers = numbers.filter(|x| x.is_finite());
-    let largest = numbers.clone().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let enough = DIGITS - 1.0 - libm::floor(libm::log10(largest.max(1e-9)));
+    let mut sizes: Vec<f64> = numbers.clone().map(f64::abs).filter(|size| *size > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let decimals = |size: Option<&f64>, digits: f64| {
+        digits - 1.0 - libm::floor(libm::log10(size.map_or(1.0, |size| size.max(1e-9))))
+    };
+    let enough = decimals(sizes.last(), LARGEST).min(decimals(sizes.get(sizes.len() / 2), TYPICAL));
     let enough = (enough as i32).clamp(if time { TIME_DECIMALS } else { 0 }, 9);
     let exact = |decimals: &i32| {
         let factor = libm::pow(10.0, f64::from(*decimals));
@@ -68,10 +75,10 @@ mod tests {
     }
 
     #[test]
-    fn numbers_keep_five_digits_and_times_their_milliseconds() {
+    fn numbers_keep_four_digits_and_times_their_milliseconds() {
         let of = |unit: &str, values: &[f64]| packed(&column(unit, Values::Numbers(values.to_vec())), &[0, 1]);
         let errors = of("m/s", &[0.123_456_78, f64::NAN]);
-        assert_eq!((&errors["decimals"], &errors["values"]), (&json!(5), &json!([12346, null])));
+        assert_eq!((&errors["decimals"], &errors["values"]), (&json!(4), &json!([1235, null])));
         let times = of("s", &[1234.1, 99_999.123]);
         assert_eq!((&times["decimals"], &times["values"]), (&json!(3), &json!([1_234_100, 99_999_123])));
         let counts = of("", &[3.0, 40.0]);

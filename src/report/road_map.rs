@@ -48,12 +48,11 @@ fn map(
         shape: road.shape.clone(),
         value: values.get(road.edge.as_str()).copied(),
     };
-    let unit = format!("{words} [m/s]");
     let incidents = run.incidents.as_deref().unwrap_or_default();
     let (file, of) = name.map_or_else(Default::default, |name| (format!("_{name}"), format!(", {name}")));
     let roads = Roads {
         title: format!("{}{of}", capital(words)),
-        unit: &unit,
+        unit: "[m/s]",
         ramp: ramp.clone(),
         roads: network.iter().filter(drawn).map(road).collect(),
         events: events(network, incidents),

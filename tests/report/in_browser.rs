@@ -38,7 +38,7 @@ fn vehicles_can_be_sorted_filtered_and_saved() {
     browser.emulate(DESK, false);
     browser.open(&page, "");
     let rows = table(&city().join("vehicles.csv"));
-    // The numbers of the rows that are shown, in the order of the table; the page rounds to five digits.
+    // The numbers of the rows that are shown, in the order of the table; the page rounds to about four digits.
     let shown = |browser: &mut Browser, column: &str| -> Vec<f64> {
         let ids: Vec<String> = serde_json::from_value(browser.js(IDS)).unwrap();
         assert_eq!(ids.len(), 50);
@@ -50,7 +50,7 @@ fn vehicles_can_be_sorted_filtered_and_saved() {
         all.sort_by(f64::total_cmp);
         all.into_iter().take(50).map(|x| sign * x).collect::<Vec<_>>()
     };
-    let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-4 * b.abs().max(a.abs()));
+    let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-3 * b.abs().max(a.abs()));
     assert_eq!(browser.js(COUNT), json!(format!("{0} of {0} vehicles", rows.len())));
     assert!(same(&shown(&mut browser, "error_rms"), &best("error_rms", -1.0)), "at first the largest errors");
     browser.click("#vehicles-table th:nth-child(9)");

@@ -150,7 +150,7 @@
     byId('csv').addEventListener('click', csv);
     byId('before').addEventListener('click', () => { first -= PAGE; draw(); });
     byId('after').addEventListener('click', () => { first += PAGE; draw(); });
-    table.caption?.replaceChildren('Click a header to sort, a row for its curves. Hold the pointer over a header to read what the column means. Numbers are rounded to five digits; the files beside the page have them all.');
+    table.caption?.replaceChildren('Click a header to sort, a row for its curves. Hold the pointer over a header to read what the column means. Numbers are rounded to about four digits; the files beside the page have them all.');
     byId('tools').hidden = false;
     update();
     follow();
