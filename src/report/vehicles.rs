@@ -12,7 +12,7 @@ use std::collections::HashSet;
 /// Rows that can be read without the script.
 const STATIC: usize = 50;
 /// What a page may take with all that is in it \[bytes\].
-const BUDGET: usize = 4_800_000;
+const BUDGET: usize = 4_900_000;
 /// What the table may take even if the rest of the page is large \[bytes\].
 const LEAST: usize = 1_000_000;
 /// Rows by which the size of all is guessed.
@@ -83,20 +83,31 @@ pub fn table(vehicles: &Table) -> TableView {
 /// The data of the script: all rows, or evenly taken ones if all would make the page too large. `needed` are ids that
 /// must be among them, `used` what the rest of the page takes \[bytes\].
 pub fn data(vehicles: &Table, series: &[Value], needed: Option<&str>, used: usize) -> Value {
-    let probe: Vec<usize> = (0..vehicles.rows).step_by(vehicles.rows.div_ceil(PROBE).max(1)).collect();
-    let pack = |rows: &[usize]| vehicles.columns.iter().map(|column| packed(column, rows)).collect::<Vec<_>>();
-    let guess = json!(pack(&probe)).to_string().len() as f64 / probe.len().max(1) as f64;
-    let budget = BUDGET.saturating_sub(used).max(LEAST) as f64;
-    let stride = ((guess * vehicles.rows as f64 / budget).ceil() as usize).max(1);
+    let budget = BUDGET.saturating_sub(used).max(LEAST);
     let with_series: HashSet<&str> = series.iter().filter_map(|series| series["id"].as_str()).chain(needed).collect();
     let ids = vehicles.texts("id");
-    let is_needed = |row: usize| stride > 1 && ids.is_some_and(|ids| with_series.contains(ids[row].as_str()));
-    let rows: Vec<usize> = (0..vehicles.rows).filter(|row| row % stride == 0 || is_needed(*row)).collect();
+    let is_needed = |row: usize| ids.is_some_and(|ids| with_series.contains(ids[row].as_str()));
+    let taken = |stride: usize| -> Vec<usize> {
+        (0..vehicles.rows).filter(|row| row % stride == 0 || stride > 1 && is_needed(*row)).collect()
+    };
+    let pack = |rows: &[usize]| json!(vehicles.columns.iter().map(|column| packed(column, rows)).collect::<Vec<_>>());
+    let probe: Vec<usize> = (0..vehicles.rows).step_by(vehicles.rows.div_ceil(PROBE).max(1)).collect();
+    let each = pack(&probe).to_string().len() as f64 / probe.len().max(1) as f64;
+    // The guess is somewhat high: the first stride that may do is tried, then larger ones.
+    let mut stride = ((0.8 * each * vehicles.rows as f64 / budget as f64) as usize).max(1);
+    let (rows, columns) = loop {
+        let rows = taken(stride);
+        let columns = pack(&rows);
+        if columns.to_string().len() <= budget || stride >= vehicles.rows.max(1) {
+            break (rows, columns);
+        }
+        stride += 1;
+    };
     json!({
         "all": vehicles.rows,
         "shown": rows.len(),
         "stride": stride,
-        "columns": pack(&rows),
+        "columns": columns,
         "series": series,
         "selected": needed,
     })
