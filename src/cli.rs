@@ -16,16 +16,17 @@ mod study;
 
 use std::{
     io::{ErrorKind, IsTerminal, Write},
+    path::Path,
     process::ExitCode,
 };
 
-use arguments::{CheckArgs, Cli, Command, PaperArgs, RunArgs};
+use arguments::{CheckArgs, Cli, Command, PaperArgs, ReportArgs, RunArgs};
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use tracing::level_filters::LevelFilter;
 
 use crate::{
-    doctor, map, paper,
+    doctor, map, paper, report,
     run::{self, RunError, RunOptions, SessionOptions, terminal_text},
     scenario::{Catalog, Scenario, schema, template},
 };
@@ -46,6 +47,7 @@ pub fn main(catalog: &Catalog) -> ExitCode {
         Command::Run(args) => run(&args, catalog),
         Command::Compare(args) => study::study(&args.study, args.arguments(), catalog),
         Command::Sweep(args) => study::study(&args.study, args.arguments(), catalog),
+        Command::Report(args) => report_of(args),
         Command::Check(args) => check(&args, catalog),
         Command::Paper(args) => paper_tests(args),
         Command::List => print(&catalog.lines()),
@@ -89,6 +91,10 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     if let Some(profile) = result.profile {
         print(&profile.to_string())?;
     }
+    // After a signal the user waits for the end, not for a page.
+    if !args.no_report && result.interrupted.is_none() {
+        write_report(&result.dir, args.quiet)?;
+    }
     Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
 }
 
@@ -117,6 +123,22 @@ fn check(args: &CheckArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     let scenario = Scenario::load(&args.scenario.request(), catalog)?;
     notes(&scenario.notes);
     print(&scenario.to_toml())
+}
+
+fn report_of(args: ReportArgs) -> miette::Result<ExitCode> {
+    let written = report::report(&args.request())?;
+    print(&format!("{}\n", written.page.display()))
+}
+
+/// The page that comes with a result. The result itself is whole whatever becomes of its page.
+fn write_report(dir: &Path, quiet: bool) -> miette::Result<()> {
+    let request = report::Request { dirs: vec![dir.to_owned()], ..report::Request::default() };
+    let written = report::report(&request)
+        .map_err(|error| miette::miette!("the result is whole, but its report could not be written: {error}"))?;
+    if !quiet {
+        print(&format!("{:<14} {}\n", "report", written.page.display()))?;
+    }
+    Ok(())
 }
 
 fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {

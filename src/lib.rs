@@ -7,12 +7,13 @@
 //! 8  main                                      the program
 //! 7  cli                                       the command line, for what a catalog offers
 //! 6  map                                       where adaptation helps, beyond the paper
-//! 5  study  paper  doctor                      studies of many runs; the paper's experiments; is all well?
+//! 5  study  paper  report  doctor              studies of many runs; the paper's experiments; a result as a page; is all well?
 //! 4  run                                       one scenario -> one result
 //!    offline                                   vehicles along a profile, without SUMO
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
 //! 1  sumo_files                                SUMO's configuration, options, demand, outputs
+//!    figure                                    charts, maps and tables as SVG
 //!    fleet                                     the closed loop on columns; where the modules of layer 0 meet
 //! 0  plant control measurement reference traci output stats   and the common ground: columns keys lanes place registry random stopwatch table trig
 //! ```
@@ -39,6 +40,8 @@ pub mod cosim;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod doctor;
+#[cfg(feature = "sim")]
+mod figure;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod fleet;
@@ -71,6 +74,9 @@ pub mod random;
 pub mod reference;
 #[cfg(feature = "sim")]
 pub mod registry;
+#[cfg(feature = "sim")]
+#[doc(hidden)]
+pub mod report;
 #[cfg(feature = "sim")]
 pub mod run;
 #[cfg(feature = "sim")]

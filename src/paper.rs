@@ -8,7 +8,6 @@ mod claims;
 mod disturb;
 mod driver;
 mod error;
-pub mod figure;
 mod lab;
 pub mod law;
 pub mod library;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 use crate::{
+    report,
     scenario::{Override, Request},
     study::Arguments,
 };
@@ -27,6 +28,8 @@ pub enum Command {
     Compare(Box<CompareArgs>),
     /// Run a scenario under many settings and seeds and compare them: a study file, or keys to vary
     Sweep(Box<SweepArgs>),
+    /// Make one HTML page of a result folder of run, compare or sweep, or of two side by side
+    Report(ReportArgs),
     /// Check a scenario and print it resolved, in SI units, as TOML
     Check(Box<CheckArgs>),
     /// Reproduce the experiments of the paper, without SUMO: figures, tables and one page
@@ -131,6 +134,9 @@ pub struct RunArgs {
     /// Print where the time of a step goes
     #[arg(long)]
     pub profile: bool,
+    /// Write no report.html
+    #[arg(long)]
+    pub no_report: bool,
     /// Only errors
     #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
@@ -183,6 +189,9 @@ pub struct StudyArgs {
     /// Run finished cases again
     #[arg(long)]
     pub force: bool,
+    /// Write no report.html
+    #[arg(long)]
+    pub no_report: bool,
     /// Only errors
     #[arg(short, long)]
     pub quiet: bool,
@@ -250,6 +259,27 @@ impl StudyArgs {
 
 fn pair(argument: &str) -> Result<String, String> {
     set(argument).map(|_| argument.to_owned())
+}
+
+/// `report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// The result folder; two are shown side by side
+    #[arg(required = true, value_name = "DIR", num_args = 1..)]
+    dirs: Vec<PathBuf>,
+    /// Show this vehicle at once, with its curves as figures
+    #[arg(long, value_name = "ID")]
+    vehicle: Option<String>,
+    /// The page [default: report.html in DIR]; its figures go into the folder of the same name beside it
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+impl ReportArgs {
+    /// The report that they ask for.
+    pub fn request(self) -> report::Request {
+        report::Request { dirs: self.dirs, out: self.out, vehicle: self.vehicle }
+    }
 }
 
 /// `check`.

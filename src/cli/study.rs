@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, ffi::OsString, process::ExitCode};
 
 use super::{
     arguments::{SlurmTaskArgs, StudyArgs},
-    notes, print,
+    notes, print, write_report,
 };
 use crate::{
     registry::find,
@@ -33,7 +33,7 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
         return print(&listed(&plan, mine, args.status, &standing));
     }
     if args.collect {
-        return tables(&plan, args.quiet);
+        return tables(&plan, args);
     }
     if !args.quiet {
         notes(&plan.settings[0].scenario.notes);
@@ -63,7 +63,7 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
         return Ok(ExitCode::from(signal.exit_code()));
     }
     if shard.is_none() {
-        return tables(&plan, args.quiet);
+        return tables(&plan, args);
     }
     let failed = todo.iter().filter(|case| State::of(&plan, case) != State::Done).count();
     if !args.quiet {
@@ -109,14 +109,17 @@ pub fn slurm_task(args: &SlurmTaskArgs) -> miette::Result<ExitCode> {
 }
 
 /// Writes and prints the tables.
-fn tables(plan: &Plan, quiet: bool) -> miette::Result<ExitCode> {
+fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
     let tables = collect(plan)?;
     tables.write(plan)?;
     let [done, failed, missing] = tables.counts;
-    if !quiet {
+    if !args.quiet {
         eprintln!("{}: {done} cases done, {failed} failed, {missing} missing", plan.dir.display());
     }
     print(&terminal_table(&plan.keys, plan.seeds.len(), &tables.comparison))?;
+    if !args.no_report {
+        write_report(&plan.dir, args.quiet)?;
+    }
     failures(failed)
 }
 

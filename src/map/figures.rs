@@ -5,8 +5,8 @@ use super::grid::second_key;
 use super::heat::{Heat, Panel, heat_map};
 use super::summary::Summary;
 use super::tuned::{Map, Tuned};
+use crate::figure::Figure;
 use crate::paper::Finding;
-use crate::paper::figure::Figure;
 use crate::paper::row::{Row, Rows};
 
 /// A value of a cell, by name.

@@ -1,6 +1,6 @@
 //! Heat maps of ratios: blue below 1, red above, one step of colour per factor.
 
-use crate::paper::figure::{Figure, escape};
+use crate::figure::{Figure, escape};
 use std::fmt::Write;
 
 /// Ratios from 1/4 to 4 fill the scale.
@@ -71,7 +71,7 @@ pub fn heat_map(name: &str, heat: &Heat) -> Figure {
         escape(heat.y)
     );
     scale(&mut body, low + 12.0);
-    Figure::drawn(name, &heat.title, body, low + 44.0)
+    Figure::drawn(name, &heat.title, body, low + 44.0).wide(WIDTH)
 }
 
 /// Where a panel is and how large its cells are.

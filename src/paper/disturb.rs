@@ -2,10 +2,10 @@
 //! bank are rejected as part of F (Section 2). Every controller of the registry that drives a body is tried.
 
 use super::error::PaperError;
-use super::figure::{Bars, Figure};
 use super::lab::{Finding, Lab, SEEDS, every_law};
 use super::library::Preset;
 use super::row::{Row, Rows};
+use crate::figure::{Bars, Figure};
 use crate::offline::{End, Road, Vehicle};
 use crate::plant::Body;
 

@@ -2,11 +2,11 @@
 //! with 250 ms between command and torque, straight and along the reconstructed path.
 
 use super::error::PaperError;
-use super::figure::{Chart, Curve, Figure};
 use super::lab::{CONTROLLERS, Finding, Lab, SEEDS, every_law};
 use super::library::{DEFAULT, Preset};
 use super::row::{Row, Rows};
 use super::series::Series;
+use crate::figure::{Chart, Curve, Figure};
 use crate::offline::{Moment, Road};
 use crate::scenario::Override;
 use rayon::prelude::*;
@@ -173,7 +173,7 @@ fn figures(preset: &Preset, name: &str, drives: &[(&'static str, Vec<Moment>)]) 
     }
     let chart = |what: &str, y, curves| {
         let title = format!("Speed{}, {name}, preset {}", if what == "error" { " error" } else { "" }, preset.name);
-        let chart = Chart { title, x: "time [s]", y, curves, isotropic: false };
+        let chart = Chart { title, x: "time [s]", y, curves, ..Chart::default() };
         Figure::chart(&format!("{}_{name}_{what}", preset.name), &chart)
     };
     vec![chart("speed", "speed [m/s]", speeds), chart("error", "error [m/s]", errors)]

@@ -1,10 +1,10 @@
 //! What the tests are given, and what they give back.
 
-use super::figure::Figure;
 use super::library::Library;
 use super::row::Row;
 use super::series::Series;
 use crate::control;
+use crate::figure::Figure;
 use std::path::PathBuf;
 
 /// The controllers that the paper compares.

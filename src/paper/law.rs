@@ -2,12 +2,12 @@
 //! are in the ratio 2·√(Δt/T), whatever mass, K_P, α and torque limit. `docs/overshoot-ratio.md` derives it; here it is measured.
 
 use super::error::PaperError;
-use super::figure::{Chart, Curve, Figure};
 use super::lab::{CONTROLLERS, Finding, Lab};
 use super::library::Preset;
 use super::results::Results;
 use super::row::Rows;
 use super::step::{Plateau, response};
+use crate::figure::{Chart, Curve, Figure};
 use crate::offline::{End, Road};
 use crate::scenario::Override;
 
@@ -133,7 +133,7 @@ pub fn run(lab: &Lab, preset: &Preset, results: &Results) -> Result<Finding, Pap
             Curve::dots("presets", presets).in_style("pid"),
             Curve::dots("published", published).in_style("mark"),
         ],
-        isotropic: false,
+        ..Chart::default()
     };
     Ok(Finding { rows, figures: vec![Figure::chart("law_overshoot_ratio", &chart)], ..Finding::default() })
 }

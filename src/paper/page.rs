@@ -2,13 +2,13 @@
 //! and how far apart the two are; all verdicts are those of `results.csv`.
 
 use super::claims;
-use super::figure::{Figure, escape, style};
 use super::lab::{Finding, Lab};
 use super::library::Preset;
 use super::published::Published;
 use super::results::Results;
 use super::row::{Row, family};
 use super::verdict::{Count, Verdict};
+use crate::figure::{Figure, escape, style};
 use std::fmt::Write;
 
 const PAGE_STYLE: &str = "\

@@ -1,11 +1,11 @@
 //! A sinusoid of position (Section 5.2): the first oscillation's overshoot and where the error has converged.
 
 use super::error::PaperError;
-use super::figure::{Chart, Curve, Figure};
 use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
 use super::library::Preset;
 use super::row::{Row, Rows, SHORT_SINE};
 use super::series::Series;
+use crate::figure::{Chart, Curve, Figure};
 use crate::offline::{End, Moment, Road};
 use crate::scenario::{Override, Scenario};
 use rayon::prelude::*;
@@ -104,7 +104,7 @@ fn figures(test: &str, preset: &Preset, drives: &[(&'static str, Vec<Moment>)]) 
         errors.push(Curve::of(name, moments.iter().map(|m| (m.distance_m, m.speed_mps - m.reference_mps)).collect()));
     }
     let chart = |what: &str, title: String, y, curves| {
-        let chart = Chart { title, x: "distance s [m]", y, curves, isotropic: false };
+        let chart = Chart { title, x: "distance s [m]", y, curves, ..Chart::default() };
         Figure::chart(&format!("{}_{test}_{what}", preset.name), &chart)
     };
     vec![

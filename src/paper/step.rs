@@ -1,11 +1,11 @@
 //! Steps of position (Section 5.1): overshoot and undershoot of each step, where it settles, and how long α̂ stays nominal.
 
 use super::error::PaperError;
-use super::figure::{Chart, Curve, Figure};
 use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
 use super::library::Preset;
 use super::row::{Row, Rows};
 use super::series::Series;
+use crate::figure::{Chart, Curve, Figure};
 use crate::offline::{End, Moment, Outcome, Road};
 
 /// Length of the test \[m\].

@@ -129,9 +129,23 @@ impl ResultDir {
         }
     }
 
+    /// The page that a report made of the result, and its figures: they are no part of the result, but go with it.
+    fn pages(&self) -> Result<Vec<String>, OutputError> {
+        let mut pages = vec!["report.html".to_owned()];
+        let folder = self.file("report");
+        if folder.is_dir() {
+            for entry in std::fs::read_dir(&folder).map_err(file_error("read", &folder))? {
+                let name = entry.map_err(file_error("read", &folder))?.file_name().to_string_lossy().into_owned();
+                pages.extend(name.ends_with(".svg").then(|| format!("report/{name}")));
+            }
+        }
+        Ok(pages)
+    }
+
     fn clear(&self, manifest: Option<&Manifest>) -> Result<(), OutputError> {
         let listed = manifest.into_iter().flat_map(|m| &m.files).filter(|name| stays_below(Path::new(name)));
-        for name in own_names().chain(listed.cloned()) {
+        let pages = self.pages()?;
+        for name in own_names().chain(listed.cloned()).chain(pages) {
             let path = self.file(&name);
             for stale in [part_of(&path), path] {
                 if stale.is_file() || stale.is_symlink() {

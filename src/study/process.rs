@@ -7,7 +7,9 @@ use std::process::{Command, Output, Stdio};
 /// Runs the case whose planned `run.json` lies in `dir`. It ends in order, within a step, when its standard input ends.
 pub fn command(program: &Path, sumo: &Path, dir: &Path) -> Command {
     let mut command = Command::new(program);
-    command.args(["run", "--quiet", "--force", "--tied", "--threads", "1", "--from"]).arg(dir.join(MANIFEST));
+    command
+        .args(["run", "--quiet", "--no-report", "--force", "--tied", "--threads", "1", "--from"])
+        .arg(dir.join(MANIFEST));
     command.arg("-o").arg(dir).env("SUMO_BINARY", sumo);
     command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
     command

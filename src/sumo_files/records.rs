@@ -34,6 +34,15 @@ impl Record<'_> {
     }
 }
 
+/// Calls `visit` with the attributes of each of these elements in a file, by name. True if the file is whole.
+pub(crate) fn each_row(
+    path: &Path,
+    element: &str,
+    mut visit: impl FnMut(&dyn Fn(&str) -> Option<String>) -> Result<(), String>,
+) -> Result<bool, SumoFileError> {
+    each(path, &[element], |_, record| visit(&|name| record.text(name)))
+}
+
 /// Calls `visit` with the name of each of these elements in a file and its attributes. True if the file is whole.
 pub(super) fn each(
     path: &Path,

@@ -19,6 +19,7 @@ const LAYERS: &[(&str, u8)] = &[
     ("traci", 0),
     ("output", 0),
     ("stats", 0),
+    ("figure", 1),
     ("fleet", 1),
     ("sumo_files", 1),
     ("scenario", 2),
