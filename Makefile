@@ -10,9 +10,9 @@ fuzz_s ?= 60
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
 
-demo: ## Every car of a city with a real body: compare five controllers, print one table
+demo: ## A city whose cars answer late and measure with noise: compare five controllers, one table and one page
 	cargo build --release --locked
-	.ci/with-sumo target/release/sumo-mfc compare scenarios/city.toml --controllers $(controllers) --seeds $(seeds) -o out/demo
+	.ci/with-sumo target/release/sumo-mfc compare scenarios/demo.toml --controllers $(controllers) --seeds $(seeds) -o out/demo
 
 test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
 	cargo test --release --locked

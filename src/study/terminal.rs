@@ -32,17 +32,25 @@ fn cell(metric: &Metric, compared: &Compared) -> String {
     text
 }
 
-/// The tables for the terminal: a column per setting, a row per metric, and what the second line of a cell means.
+/// The tables for the terminal: a column per setting, a row per metric that differs anywhere, and what the second line of a
+/// cell means.
 pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> String {
     let mut text = String::new();
     let settings: Vec<&[ComparisonRow]> = rows.chunks(METRIC_COUNT).collect();
+    let compared = |k: usize| settings.iter().map(move |rows| &rows[k].compared);
+    let shown = |k: &usize| !METRICS[*k].title.is_empty() && compared(*k).any(|metric| metric.mean.is_some());
+    let is_same = |k: &usize| {
+        let steady = compared(*k).all(|metric| metric.ci95.unwrap_or(0.0) == 0.0);
+        settings.len() > 1 && steady && compared(*k).all(|metric| metric.mean == settings[0][*k].compared.mean)
+    };
+    let (same, different): (Vec<usize>, Vec<usize>) = (0..METRIC_COUNT).filter(shown).partition(is_same);
     for settings in settings.chunks(ABREAST) {
         let mut table = Table::new();
         table.load_style(presets::UTF8_FULL_CONDENSED);
         let head = settings.iter().map(|rows| rows[0].values.join("\n"));
         table.set_header([keys.join("\n")].into_iter().chain(head));
-        let measured = |k: usize| settings.iter().any(|rows| rows[k].compared.mean.is_some());
-        for (k, metric) in METRICS.iter().enumerate().filter(|(k, m)| !m.title.is_empty() && measured(*k)) {
+        for &k in &different {
+            let metric = &METRICS[k];
             let unit = if metric.unit.is_empty() { String::new() } else { format!(" [{}]", metric.unit) };
             let title = format!("{}{unit}", metric.title);
             table.add_row([title].into_iter().chain(settings.iter().map(|rows| cell(metric, &rows[k].compared))));
@@ -51,6 +59,12 @@ pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> 
             column.set_cell_alignment(CellAlignment::Right);
         }
         text += &format!("{table}\n");
+    }
+    if !same.is_empty() {
+        let value =
+            |k: usize| settings[0][k].compared.mean.map_or("-".to_owned(), |mean| number(&METRICS[k], mean, false));
+        let list: Vec<String> = same.iter().map(|k| format!("{} {}", METRICS[*k].title, value(*k))).collect();
+        text += &format!("The same everywhere: {}.\n", list.join(", "));
     }
     let plural = if seeds == 1 { "seed" } else { "seeds" };
     text += &format!("{seeds} {plural}. Means over the seeds ± half width of the 95 % t interval.");
@@ -82,6 +96,15 @@ mod tests {
         assert!(text.contains("│ error RMS, mean [m/s]             ┆   2.000 ± 2.484 ┆    2.200 ± 2.733 │"), "{text}");
         assert!(text.contains("│                                   ┆                 ┆   +0.200 ± 0.248 │"), "{text}");
         assert!(lines.last().unwrap().starts_with("3 seeds."), "{text}");
+    }
+
+    #[test]
+    fn what_is_the_same_everywhere_takes_one_line() {
+        let text = terminal_table(&["controller.name".to_owned()], 2, &rows(&[2.0, 2.0], &[2.0, 2.0]));
+        assert!(text.contains("\nThe same everywhere: egos 2, vehicles inserted 2,"), "{text}");
+        assert!(!text.contains("│ egos"), "{text}");
+        let text = terminal_table(&["controller.name".to_owned()], 2, &rows(&[2.0, 3.0], &[2.0, 3.0]));
+        assert!(text.contains("│ egos") && !text.contains("The same"), "seeds differ: {text}");
     }
 
     #[test]
