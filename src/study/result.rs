@@ -44,9 +44,9 @@ impl CaseResult {
         if setting.scenario.output.quality {
             vehicles.take_table(&dir.join("quality.csv"))?;
         }
-        let conflicts = named("--device.ssm.file").filter(|_| setting.scenario.sumo.safety);
-        if let Some(conflicts) = conflicts.and_then(|path| Conflicts::read(&path).ok()) {
-            vehicles.take_conflicts(&conflicts);
+        // SUMO writes this file if any vehicle has the device, whoever asked for it.
+        if let Some(conflicts) = named("--device.ssm.file").and_then(|path| Conflicts::read(&path).ok()) {
+            vehicles.take_conflicts(&conflicts, setting.scenario.sumo.safety);
         }
         let totals = Totals { summary: &summary, vehicles: &vehicles };
         let values = METRICS.each_ref().map(|metric| (metric.read)(totals).filter(|value| value.is_finite()));

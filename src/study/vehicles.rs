@@ -32,12 +32,13 @@ impl Vehicles {
         self.0.entry((id.to_owned(), again)).or_insert_with(new)
     }
 
-    /// Takes what SUMO's devices saw: those of all vehicles if they are on at all. An id that is used again has one log, of
-    /// which nobody knows to whom it belongs.
-    pub fn take_conflicts(&mut self, conflicts: &BTreeMap<String, Conflicts>) {
+    /// Takes what SUMO's devices saw. If `all` vehicles have one, those that it does not mention were in no conflict. An id
+    /// that is used again has one log, of which nobody knows to whom it belongs.
+    pub fn take_conflicts(&mut self, conflicts: &BTreeMap<String, Conflicts>, all: bool) {
         let again: Vec<String> = self.0.keys().filter(|(_, again)| *again > 0).map(|(id, _)| id.clone()).collect();
         for vehicle in self.0.values_mut().filter(|vehicle| !again.contains(&vehicle.id)) {
-            vehicle.sumo.take_conflicts(&conflicts.get(&vehicle.id).copied().unwrap_or_default());
+            let seen = conflicts.get(&vehicle.id).copied().or(all.then(Conflicts::default));
+            seen.iter().for_each(|seen| vehicle.sumo.take_conflicts(seen));
         }
     }
 

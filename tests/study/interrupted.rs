@@ -9,16 +9,16 @@ use std::time::{Duration, Instant, SystemTime};
 use super::support::{Running, children, table};
 use super::{MOTORWAY, command, ended, study, tables};
 
-/// Three settings under four seeds.
+/// Four settings under ten seeds: 40 cases.
 const STUDY: [&str; 8] = [
     "--vary",
-    "controller.name=ideal,pid,adaptive",
+    "controller.name=ideal,pid,adaptive,classic",
     "--reference",
     "controller.name=ideal",
     "--seeds",
-    "1..4",
+    "1..10",
     "--end",
-    "60",
+    "30",
 ];
 
 fn arguments<'a>(more: &[&'a str]) -> Vec<&'a str> {
@@ -55,10 +55,10 @@ fn signal(name: &str, id: u32) {
 }
 
 /// The tables and the study of somebody who was never disturbed.
-fn undisturbed(folder: &Path) -> [Vec<u8>; 3] {
+fn undisturbed(folder: &Path) -> [Vec<u8>; 4] {
     study("sweep", &folder.join("whole"), &arguments(&["-j", "2"]));
     let rows = table(&folder.join("whole/cases.csv"));
-    assert_eq!((rows.len(), rows.iter().filter(|row| row["status"] == "done").count()), (12, 12));
+    assert_eq!((rows.len(), rows.iter().filter(|row| row["status"] == "done").count()), (40, 40));
     tables(&folder.join("whole"))
 }
 
@@ -68,7 +68,7 @@ fn a_study_that_is_killed_goes_on_and_comes_to_the_same() {
     let dir = folder.path().join("killed");
     let wanted = undisturbed(folder.path());
     let running = Running::start(command("sweep", &dir, &arguments(&["-j", "2"])));
-    wait_for(&dir, 4);
+    wait_for(&dir, 15);
     signal("-KILL", running.child.id());
     assert_eq!(running.wait().code, None);
     assert!(!dir.join("cases.csv").exists());

@@ -84,3 +84,21 @@ fn every_vehicle_has_what_we_and_what_sumo_know_of_it() {
         }
     }
 }
+
+/// A configuration that gives the device to some vehicles: only those have conflicts, and the others have none that are known.
+#[test]
+fn conflicts_of_devices_that_the_user_asked_for_are_read_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path();
+    let options = r#"sumo.options=["--device.ssm.probability", "0.5", "--device.ssm.measures", "TTC"]"#;
+    study("sweep", dir, &["scenarios/city.toml", "-q", "--end", "90", "--seeds", "1", "--set", options]);
+    let logged = elements(&dir.join("cases/0001/sumo/ssm.xml"), "conflict");
+    let all = rows(&dir.join("vehicles.parquet"));
+    let known: Vec<&Row> = all.iter().filter(|row| *field(row, "sumo_conflicts") != Field::Null).collect();
+    assert!(known.len() > 5 && known.len() < all.len() && !logged.is_empty());
+    for row in known {
+        let id = value(row, "id");
+        let wanted = logged.iter().filter(|conflict| attribute(conflict, "ego") == id).count();
+        assert!(wanted > 0 && *field(row, "sumo_conflicts") == Field::Double(wanted as f64), "{id}");
+    }
+}

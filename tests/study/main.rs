@@ -34,8 +34,8 @@ fn study(subcommand: &str, dir: &Path, args: &[&str]) -> Ended {
 }
 
 /// The bytes of the tables.
-fn tables(dir: &Path) -> [Vec<u8>; 3] {
-    ["cases.csv", "comparison.csv", "study.json"].map(|name| fs::read(dir.join(name)).unwrap())
+fn tables(dir: &Path) -> [Vec<u8>; 4] {
+    ["cases.csv", "comparison.csv", "vehicles.parquet", "study.json"].map(|name| fs::read(dir.join(name)).unwrap())
 }
 
 /// Traffic that differs from seed to seed.
@@ -86,8 +86,8 @@ fn compare_sweep_and_a_file_give_the_same_tables() {
     study("sweep", &dir("file"), &[&[file.to_str().unwrap()], &short[..]].concat());
     let wanted = tables(&dir("compare"));
     assert!(wanted[0].len() > 300);
-    assert_eq!(tables(&dir("sweep"))[..2], wanted[..2]);
-    assert_eq!(tables(&dir("file"))[..2], wanted[..2]);
+    assert_eq!(tables(&dir("sweep"))[..3], wanted[..3]);
+    assert_eq!(tables(&dir("file"))[..3], wanted[..3]);
 }
 
 #[test]
