@@ -39,8 +39,12 @@ impl Signal {
         }
     }
 
-    /// Whether whoever started us wants it ignored, as `nohup` does: listening would undo that.
+    /// Whether whoever started us wants SIGHUP ignored, as `nohup` does: listening would undo that. (Scripts start all that
+    /// is in the background with SIGINT ignored; who sends that to us nevertheless means it.)
     fn is_ignored(self) -> bool {
+        if self != Self::Hangup {
+            return false;
+        }
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
         let ignored =
             status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());

@@ -154,7 +154,12 @@ fn signals_end_a_run_in_order() {
     for (signal, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129), ("-QUIT", 131)] {
         let folder = tempfile::tempdir().unwrap();
         let dir = folder.path().join("result");
-        let (run, sumo) = under_way(&dir);
+        // These tests may have been started with SIGHUP ignored.
+        let own = run_command(NEW, &own("city"), &dir, &["--trace", "all", "--step-length", "0.05", "--quiet"]);
+        let mut command = Command::new("env");
+        command.arg("--default-signal=HUP").arg(own.get_program()).args(own.get_args());
+        command.envs(own.get_envs().filter_map(|(key, value)| Some((key, value?))));
+        let (run, sumo) = until_under_way(command, &dir);
         send(signal, run.child.id());
         let ended = run.wait();
         assert_eq!(ended.code, Some(code), "{}", ended.stderr);
