@@ -22,6 +22,8 @@ pub struct Plan {
     pub keys: Vec<String>,
     /// The seeds.
     pub seeds: Vec<u64>,
+    /// What to think of their number, if they are not enough.
+    pub advice: Option<String>,
     /// All input files.
     pub inputs: Vec<Input>,
     /// The settings.

@@ -11,8 +11,6 @@ use super::study_figures::{MetricRows, curves, divides, intervals, matrices};
 const OPEN: [&str; 5] = ["error_rms_mean", "speed_gap_rms_mean", "timeloss_mean", "energy_per_km_mean", "collisions"];
 /// Metrics that say how large a study is, rather than what differs in it.
 const COUNTS: [&str; 2] = ["egos", "inserted"];
-/// Fewer seeds than these are too few for an interval to be believed.
-const FEW_SEEDS: usize = 5;
 
 /// The page.
 pub fn page(studies: &[StudyData]) -> Page {
@@ -61,11 +59,7 @@ fn head(page: &mut Page, study: &StudyData, label: Option<&str>) {
     page.inputs.extend(plan.inputs.iter().map(|input| [input.path.clone(), input.sha256.clone()]));
     page.inputs.sort();
     page.inputs.dedup();
-    if plan.seeds.len() < FEW_SEEDS {
-        let seeds = counted(plan.seeds.len(), "seed", "seeds");
-        page.warnings
-            .push(named(&format!("{seeds}: intervals from fewer than {FEW_SEEDS} seeds are not to be believed.")));
-    }
+    page.warnings.extend(plan.advice.as_deref().map(named));
     let states = study.cases.as_ref().and_then(|cases| cases.texts("status")).unwrap_or_default();
     for state in ["failed", "missing"] {
         let count = states.iter().filter(|found| *found == state).count();

@@ -122,7 +122,7 @@ mod tests {
         (2.0 * squared / measured as f64).sqrt()
     }
 
-    /// Tables 3 and 4 of ISO 2631-1:1997, in thousandths.
+    /// Table 3 of ISO 2631-1:1997, in thousandths.
     #[test]
     fn law_gains_are_those_of_the_standard() {
         for (frequency_hz, wanted) in [(0.5, 853.0), (1.0, 1011.0), (2.0, 890.0), (4.0, 512.0), (8.0, 253.0)] {

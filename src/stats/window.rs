@@ -6,7 +6,7 @@ use crate::lanes::{LANES, Lanes};
 /// Length over which accelerations are averaged \[s\].
 pub const WINDOW_S: f64 = 0.5;
 
-/// A jerk above this is uncomfortable [m/s³] (Martin and Litwhiler 2008, for passengers who stand).
+/// A jerk above this is counted as high [m/s³], a bound that studies of comfort often take.
 pub const HIGH_JERK_MPS3: f64 = 2.0;
 
 /// Control periods of one window.

@@ -3,11 +3,11 @@
 use super::vehicles::{TIME_LOSS, Vehicles};
 use crate::run::{Spread, Summary};
 
-/// A time to collision below this is critical \[s\] (van der Horst and Hogema 1993).
+/// A time to collision below this is counted as critical \[s\]. These three bounds are ours, at values that are common.
 const CRITICAL_TTC_S: f64 = 1.5;
-/// A deceleration to avoid a crash above this is critical [m/s²] (Archer 2005).
+/// A deceleration to avoid a crash above this is counted as critical [m/s²].
 const CRITICAL_DRAC_MPS2: f64 = 3.35;
-/// A post-encroachment time below this is critical \[s\] (Allen et al. 1978).
+/// A post-encroachment time below this is counted as critical \[s\].
 const CRITICAL_PET_S: f64 = 1.0;
 
 /// What a run says as a whole.
@@ -105,7 +105,7 @@ pub static METRICS: [Metric; METRIC_COUNT] = [
     mean!("high_jerk_share_mean", "", "Comfort: high_jerk_share", "", 4, "high_jerk_share"),
     mean!("comfort_accel_mean", "comfort acceleration, mean", "Comfort: comfort_accel", "m/s²", 3, "comfort_accel"),
     mean!("motion_sickness_mean", "", "Comfort: motion_sickness", "m/s^1.5", 3, "motion_sickness"),
-    mean!("energy_per_km_mean", "", "Effort: energy_per_km", "Wh/km", 1, "energy_per_km"),
+    mean!("energy_per_km_mean", "energy at wheels, mean", "Effort: energy_per_km", "Wh/km", 1, "energy_per_km"),
     mean!(
         "stops_mean",
         "stops, mean",

@@ -3,6 +3,7 @@
 use super::definition::Definition;
 use super::error::StudyError;
 use super::setting::{Setting, settings};
+use super::statistics::advice;
 use super::warm_up::WarmUp;
 use crate::output::{OutputError, write_json};
 use crate::run::{Input, Manifest, Status, Summary};
@@ -134,7 +135,7 @@ impl Plan {
 
     /// The folder of a case.
     pub fn case_dir(&self, case: &Case) -> PathBuf {
-        self.dir.join("cases").join(format!("{:04}", case.number))
+        case_dir(&self.dir, case.number)
     }
 
     /// How long a case took, if its result is there \[s\].
@@ -162,6 +163,7 @@ impl Plan {
             "sumo_version": self.sumo_version,
             "keys": self.keys,
             "seeds": self.seeds,
+            "advice": advice(self.seeds.len()),
             "inputs": inputs,
             "settings": settings.collect::<Vec<_>>(),
             "cases": cases.collect::<Vec<_>>(),
@@ -188,6 +190,11 @@ fn warm_ups(settings: &[Setting], warm_up_s: Option<f64>) -> Result<Vec<Option<(
         Ok(Some((plain_until(sumo, until_s)?, until_s)))
     };
     settings.iter().map(of_setting).collect()
+}
+
+/// The folder of a case in that of its study.
+pub fn case_dir(study: &Path, number: usize) -> PathBuf {
+    study.join("cases").join(format!("{number:04}"))
 }
 
 /// The inputs of every setting; each file is read once.

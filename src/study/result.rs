@@ -45,8 +45,8 @@ impl CaseResult {
             vehicles.take_table(&dir.join("quality.csv"))?;
         }
         // SUMO writes this file if any vehicle has the device, whoever asked for it.
-        if let Some(conflicts) = named("--device.ssm.file").and_then(|path| Conflicts::read(&path).ok()) {
-            vehicles.take_conflicts(&conflicts, setting.scenario.sumo.safety);
+        if let Some(path) = named("--device.ssm.file").filter(|path| path.is_file()) {
+            vehicles.take_conflicts(&Conflicts::read(&path)?, setting.scenario.sumo.safety);
         }
         let totals = Totals { summary: &summary, vehicles: &vehicles };
         let values = METRICS.each_ref().map(|metric| (metric.read)(totals).filter(|value| value.is_finite()));

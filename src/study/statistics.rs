@@ -5,6 +5,10 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 /// Seeds beyond which asking for more says nothing.
 const MOST_SEEDS: u64 = 1_000_000;
 
+/// Fewer seeds than this are too few for an interval to be believed, and as many as that are recommended.
+const FEW: usize = 5;
+const ENOUGH: usize = 10;
+
 /// The mean of independent values, and how sure it is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
@@ -70,6 +74,15 @@ pub fn seeds_for(delta: f64, sd: f64) -> Option<u64> {
         if enough(middle) { many = middle } else { few = middle }
     }
     Some(many)
+}
+
+/// What to think of the number of seeds; nothing if they are enough.
+pub fn advice(seeds: usize) -> Option<String> {
+    let counted = if seeds == 1 { "1 seed".to_owned() } else { format!("{seeds} seeds") };
+    let few =
+        format!("{counted}: intervals from fewer than {FEW} seeds are not to be believed; {ENOUGH} are recommended");
+    let some = format!("{counted}: {ENOUGH} are recommended");
+    (seeds < FEW).then_some(few).or((seeds < ENOUGH).then_some(some))
 }
 
 #[cfg(test)]
@@ -153,5 +166,13 @@ mod tests {
             println!("n = {n}: {:.1} % for normal data, {:.1} % for log-normal data", 100.0 * normal, 100.0 * skewed);
             assert!((0.93..=0.97).contains(&normal), "{n}: {normal}");
         }
+    }
+
+    #[test]
+    fn few_seeds_are_said_to_be_few() {
+        assert!(advice(1).unwrap().starts_with("1 seed: "));
+        assert!(advice(4).unwrap().contains("not to be believed"));
+        assert_eq!(advice(5).unwrap(), "5 seeds: 10 are recommended");
+        assert_eq!(advice(10), None);
     }
 }

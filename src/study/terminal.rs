@@ -6,9 +6,6 @@ use comfy_table::{CellAlignment, Table, presets};
 
 /// Settings side by side in one table.
 const ABREAST: usize = 5;
-/// Fewer seeds than this are too few for an interval to be believed, and as many as that are recommended.
-const FEW: usize = 5;
-const ENOUGH: usize = 10;
 /// A difference is marked below this p.
 const LEVEL: f64 = 0.05;
 
@@ -74,15 +71,6 @@ pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> 
     text + "\n"
 }
 
-/// What to think of the number of seeds; nothing if they are enough.
-pub fn advice(seeds: usize) -> Option<String> {
-    let few = format!(
-        "{seeds} seeds: intervals from fewer than {FEW} seeds are not to be believed; {ENOUGH} are recommended"
-    );
-    let some = format!("{seeds} seeds: {ENOUGH} are recommended");
-    (seeds < FEW).then_some(few).or((seeds < ENOUGH).then_some(some))
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::comparison::tests::rows;
@@ -111,12 +99,5 @@ mod tests {
     fn without_a_spread_there_is_no_interval() {
         let text = terminal_table(&["controller.name".to_owned()], 1, &rows(&[2.0], &[2.5]));
         assert!(text.contains("+0.500 ") && !text.contains("0.500 ±") && text.contains("\n1 seed. "), "{text}");
-    }
-
-    #[test]
-    fn few_seeds_are_said_to_be_few() {
-        assert!(advice(4).unwrap().contains("not to be believed"));
-        assert_eq!(advice(5).unwrap(), "5 seeds: 10 are recommended");
-        assert_eq!(advice(10), None);
     }
 }

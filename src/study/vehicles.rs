@@ -94,15 +94,17 @@ impl Vehicles {
 
     /// Mean of a column over the vehicles that have a value in it.
     pub fn mean(&self, column: &str) -> Option<f64> {
-        let values = self.numbers(column);
-        (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+        mean(&self.numbers(column))
     }
 
     /// Mean time loss of all that have one \[s\]: for egos that of our table, which is right also where bodies lead.
     pub fn time_loss_mean_s(&self) -> Option<f64> {
-        let losses: Vec<f64> = self.0.values().filter_map(time_loss_s).collect();
-        (!losses.is_empty()).then(|| losses.iter().sum::<f64>() / losses.len() as f64)
+        mean(&self.0.values().filter_map(time_loss_s).collect::<Vec<f64>>())
     }
+}
+
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// The time loss of a vehicle \[s\].

@@ -14,14 +14,19 @@ use std::time::Instant;
 use tokio::process::Command;
 use tokio::task::JoinSet;
 
+/// The warm-ups of these cases that are not there.
+pub fn missing(plan: &Plan, cases: &[&Case]) -> Vec<WarmUp> {
+    let mut seen = BTreeSet::new();
+    let wanted = cases.iter().filter_map(|case| plan.warm_up(case)).filter(|w| seen.insert(w.state.clone()));
+    wanted.filter(|warm_up| !warm_up.state.is_file()).collect()
+}
+
 /// Simulates the warm-ups of these cases that are not there.
 ///
 /// # Errors
 /// [`StudyError::WarmUp`] with what SUMO said, if it cannot.
 pub fn warm_up(plan: &Plan, cases: &[&Case], jobs: usize, quiet: bool) -> Result<Ended, StudyError> {
-    let mut seen = BTreeSet::new();
-    let wanted = cases.iter().filter_map(|case| plan.warm_up(case)).filter(|w| seen.insert(w.state.clone()));
-    let todo: Vec<WarmUp> = wanted.filter(|warm_up| !warm_up.state.is_file()).collect();
+    let todo = missing(plan, cases);
     if todo.is_empty() {
         return Ok(Ended::All);
     }
@@ -56,13 +61,16 @@ pub fn warm_up(plan: &Plan, cases: &[&Case], jobs: usize, quiet: bool) -> Result
 async fn simulate(sumo: PathBuf, warm_up: WarmUp) -> Result<u64, StudyError> {
     let WarmUp { setup, until_s, state } = warm_up;
     let seed = setup.seed;
-    let folder = state.with_extension(format!("{}.part", std::process::id()));
-    let outputs = folder.join("sumo");
-    std::fs::create_dir_all(&outputs).map_err(file_error("create", &outputs))?;
-    let part = folder.join("state.xml.gz");
+    let dir = state.parent().unwrap_or(&state);
+    std::fs::create_dir_all(dir).map_err(file_error("create", dir))?;
+    // It goes with this function, however that ends.
+    let folder = tempfile::Builder::new().prefix(".warm_up-").tempdir_in(dir).map_err(file_error("create", dir))?;
+    let outputs = folder.path().join("sumo");
+    std::fs::create_dir(&outputs).map_err(file_error("create", &outputs))?;
+    let part = folder.path().join("state.xml.gz");
     let options = setup.options.iter().cloned().chain(saving(until_s, &part)).collect();
     let end = setup.end_s.unwrap_or(until_s).to_string();
-    let mut arguments = sumo_arguments(&SumoSetup { options, ..setup }, &folder)?.arguments;
+    let mut arguments = sumo_arguments(&SumoSetup { options, ..setup }, folder.path())?.arguments;
     arguments.extend(["--end".to_owned(), end]);
     let mut command = Command::new(sumo);
     command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).kill_on_drop(true);
@@ -74,6 +82,5 @@ async fn simulate(sumo: PathBuf, warm_up: WarmUp) -> Result<u64, StudyError> {
         return Err(StudyError::WarmUp { seed, what: format!("{}: {said}", output.status) });
     }
     std::fs::rename(&part, &state).map_err(file_error("rename", &part))?;
-    std::fs::remove_dir_all(&folder).map_err(file_error("remove", &folder))?;
     Ok(seed)
 }

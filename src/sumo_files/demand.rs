@@ -206,7 +206,7 @@ fn overridden(setup: &SumoSetup, seed: Option<u64>, settings: &Settings) -> Opti
     if step_s != Some(setup.step_length_s) {
         let theirs = step_s.map_or("unreadable".to_owned(), |s| format!("{s} s"));
         changes.push(format!(
-            "step length {} s instead of {theirs} (--step-length decides; that alone changed mean time losses by 5 to 80 % \
+            "step length {} s instead of {theirs} (--step-length decides; alone it changed mean time losses by -26 to +81 % \
              in docs/matrix.md, sweep --vary controller.name=plain,ideal shows by how much here)",
             setup.step_length_s
         ));

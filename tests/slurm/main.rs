@@ -193,6 +193,20 @@ fn a_call_that_is_killed_while_it_submits_leaves_nothing_that_runs_twice() {
 }
 
 #[test]
+fn warm_ups_come_before_the_jobs_that_load_them() {
+    let Some(cluster) = Cluster::start(1001) else { return };
+    let args = ["--seeds", "1..2", "--end", "40", "--warm-up", "20"];
+    let wanted = wanted(cluster.folder(), &args, 4);
+    let dir = cluster.folder().join("study");
+    let ended = cluster.sweep(&dir, &[&args[..], &["--wait"]].concat());
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    let states = |dir: &Path| fs::read_dir(dir.join("warm_up")).unwrap().flatten().count();
+    assert_eq!((states(&dir), states(&cluster.folder().join("local"))), (2, 2), "a state per seed and nothing else");
+    // study.json has the hashes of scenarios that name the state in their own folder.
+    assert_eq!(tables(&dir)[..3], wanted[..3]);
+}
+
+#[test]
 fn what_slurm_refuses_is_one_error_and_nothing_is_left() {
     let Some(cluster) = Cluster::start(3) else { return };
     let args = ["--seeds", "1..2", "--end", "20"];
@@ -216,6 +230,13 @@ fn what_slurm_refuses_is_one_error_and_nothing_is_left() {
         );
         assert!(!dir.exists(), "something was run");
     }
+    // Before it simulates a warm-up it asks.
+    let warm = [&args[..], &["--warm-up", "10", "--slurm", "partition=night"]].concat();
+    let refused = cluster.sweep(&dir, &warm);
+    let said = "executor slurm: sbatch says: invalid partition specified: night; ";
+    assert_eq!((refused.code, refused.stdout.as_str()), (Some(1), ""));
+    assert!(refused.stderr.contains(said) && refused.stderr.contains("Nothing was submitted"), "{}", refused.stderr);
+    assert!(!dir.exists(), "something was simulated");
     // The second of two arrays is refused, the first waits for its turn.
     let counter = cluster.folder().join("calls");
     let script = format!(

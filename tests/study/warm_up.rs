@@ -96,3 +96,31 @@ fn a_warm_up_longer_than_the_simulation_is_refused() {
     assert!(text.contains("warm_up_s") && text.contains("soon"), "{text}");
     assert!(!folder.path().join("cases").exists());
 }
+
+#[test]
+fn an_interrupted_warm_up_leaves_nothing_and_no_sumo() {
+    let folder = tempfile::tempdir().unwrap();
+    let args = ["scenarios/studies/city.toml", "--seeds", "1", "--end", "590", "--warm-up", "580"];
+    let running = Running::start(command("sweep", folder.path(), &args));
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(60);
+    let sumo = loop {
+        // Earlier a SUMO is only asked for its version.
+        let begun = fs::read_dir(folder.path().join("warm_up")).is_ok_and(|mut entries| entries.next().is_some());
+        if let (true, Some(sumo)) = (begun, support::children(running.child.id()).first()) {
+            break *sumo;
+        }
+        assert!(std::time::Instant::now() < deadline, "SUMO does not start");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    };
+    let id = running.child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let ended = running.wait();
+    assert_eq!(ended.code, Some(130), "{}", ended.stderr);
+    assert!(ended.stderr.contains("stopped: 0 of 1 cases are done"), "{}", ended.stderr);
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(5);
+    while Path::new(&format!("/proc/{sumo}/cwd")).exists() {
+        assert!(std::time::Instant::now() < deadline, "SUMO goes on");
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert_eq!(fs::read_dir(folder.path().join("warm_up")).unwrap().count(), 0);
+}

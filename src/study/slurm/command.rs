@@ -76,6 +76,15 @@ pub fn tasks_of_array() -> Result<usize, StudyError> {
     }
 }
 
+/// Asks whether Slurm would take a job with these arguments, and hands none in.
+///
+/// # Errors
+/// As [`queue`].
+pub fn would_submit(arguments: &[String]) -> Result<(), StudyError> {
+    let arguments: Vec<&str> = ["--test-only"].into_iter().chain(arguments.iter().map(String::as_str)).collect();
+    call("sbatch", &arguments, "#!/bin/sh\n").map(drop)
+}
+
 /// Submits a script. Returns the number of the job.
 ///
 /// # Errors

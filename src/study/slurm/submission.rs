@@ -46,11 +46,6 @@ impl Submission {
     }
 }
 
-/// The folder of a case, beside `slurm/`.
-pub fn case_dir(study: &Path, case: usize) -> PathBuf {
-    study.join("cases").join(format!("{case:04}"))
-}
-
 /// The ticket of a case: its planned `run.json`. `intent` is the file of a submission.
 pub fn ticket(intent: &Path, case: usize) -> PathBuf {
     intent.with_extension("").join(format!("{case:04}.json"))

@@ -2,9 +2,9 @@
 
 use super::super::error::StudyError;
 use super::super::plan::Case;
-use super::super::warming::warm_up;
+use super::super::warming::{missing, warm_up};
 use super::super::work::{Ended, Standing, Work};
-use super::command::{Row, cancel, queue, submit, tasks_of_array};
+use super::command::{Row, cancel, queue, submit, tasks_of_array, would_submit};
 use super::keys::SlurmKeys;
 use super::queue::{of_rows, standing};
 use super::submission::{Submission, Submissions};
@@ -16,6 +16,8 @@ use std::time::Duration;
 
 /// Warm-ups at the same time: they run where the call does, on a login node that many share.
 const WARM_UPS: usize = 2;
+/// What is said where Slurm has taken no job.
+const NOTHING: &str = ". Nothing was submitted";
 /// Time between two questions while we stay.
 const PERIOD: Duration = Duration::from_secs(2);
 /// So many questions may be unanswered in a row: controllers are restarted.
@@ -27,6 +29,10 @@ const UNANSWERED: usize = 100;
 /// [`StudyError::NoSlurm`], and [`StudyError::Slurm`] with Slurm's words; nothing is then left in the queue by this call.
 pub fn execute(work: &Work<'_>) -> Result<Ended, StudyError> {
     let largest = tasks_of_array()?;
+    if !missing(work.plan, work.cases).is_empty() {
+        // Nothing is simulated for a job that is refused afterwards.
+        would_submit(&asked(work.slurm)).map_err(nothing_submitted)?;
+    }
     // One simulation per seed, for all cases of it: too little for jobs of its own.
     let warmed = warm_up(work.plan, work.cases, WARM_UPS, work.quiet)?;
     if warmed != Ended::All {
@@ -191,7 +197,7 @@ impl<'a> Desk<'a> {
         let jobs: Vec<&str> = self.own.iter().filter_map(|n| self.submissions.all[n].job.as_deref()).collect();
         let undone = cancel(&names);
         let then = match (&undone, jobs.is_empty()) {
-            (Ok(()), true) => ". Nothing was submitted".to_owned(),
+            (Ok(()), true) => NOTHING.to_owned(),
             (Ok(()), false) => format!(". What it had taken of this call was cancelled: {}", jobs.join(" ")),
             (Err(_), _) => ". Whether it has taken a job is not certain: --status shows it".to_owned(),
         };
@@ -203,6 +209,14 @@ impl<'a> Desk<'a> {
             }
         }
         StudyError::Slurm { program, said, then }
+    }
+}
+
+/// Says so of a refusal before the first job.
+fn nothing_submitted(error: StudyError) -> StudyError {
+    match error {
+        StudyError::Slurm { program, said, .. } => StudyError::Slurm { program, said, then: NOTHING.to_owned() },
+        other => other,
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::super::case::{LINGER, State, note_failure, prepare};
 use super::super::error::StudyError;
+use super::super::plan::case_dir;
 use super::super::process;
-use super::submission::{Submission, case_dir, remove_file, ticket};
+use super::submission::{Submission, remove_file, ticket};
 use crate::run::{Manifest, RunError, Signal};
 use std::path::Path;
 use std::time::{Duration, Instant};
