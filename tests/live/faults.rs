@@ -1,7 +1,7 @@
 //! What goes wrong around a run: the message says what, nothing that was computed is lost, no SUMO stays behind.
 
 use crate::support::{
-    CAR, NEW, OLD, Running, TOO_OLD, children, configuration, json, own, refusal, repository, run, run_command,
+    CAR, NEW, OLD, Running, TOO_OLD, children, configuration, json, own, refusal, repository, run, run_command, stays,
     straight_road, table,
 };
 use std::fs;
@@ -84,20 +84,6 @@ fn a_folder_that_cannot_be_made_is_named() {
     let ended = Running::start(run_command(NEW, &own("light"), &file.join("result"), &[])).wait();
     assert_eq!(ended.code, Some(1));
     assert!(ended.stderr.contains("file"), "{}", ended.stderr);
-}
-
-fn is_alive(pid: u32) -> bool {
-    let Ok(stat) = fs::read_to_string(format!("/proc/{pid}/stat")) else { return false };
-    !stat.rsplit(')').next().unwrap().trim_start().starts_with('Z')
-}
-
-/// True if the process is there for good: one that was killed takes a moment to go.
-fn stays(pid: u32) -> bool {
-    let deadline = Instant::now() + Duration::from_secs(5);
-    while is_alive(pid) && Instant::now() < deadline {
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    is_alive(pid)
 }
 
 fn send(signal: &str, pid: u32) {

@@ -104,6 +104,20 @@ impl Running {
     }
 }
 
+fn is_alive(pid: u32) -> bool {
+    let Ok(stat) = fs::read_to_string(format!("/proc/{pid}/stat")) else { return false };
+    !stat.rsplit(')').next().unwrap().trim_start().starts_with('Z')
+}
+
+/// True if the process is there for good: one that was killed takes a moment to go.
+pub fn stays(pid: u32) -> bool {
+    let deadline = Instant::now() + Duration::from_secs(5);
+    while is_alive(pid) && Instant::now() < deadline {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    is_alive(pid)
+}
+
 /// Processes that a process has started.
 pub fn children(pid: u32) -> Vec<u32> {
     let list = fs::read_dir(format!("/proc/{pid}/task")).into_iter().flatten().flatten();
