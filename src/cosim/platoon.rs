@@ -157,6 +157,19 @@ mod tests {
         );
     }
 
+    /// The vehicle ahead speeds up by 0.5 m/s and back; the follower slows down by 0.6 m/s and back.
+    #[test]
+    fn law_the_largest_deviation_is_half_the_range_wherever_it_began() {
+        let (mut follower, ahead): (Follower, Arc<str>) = (Follower::default(), "a".into());
+        for k in 0..300 {
+            follower.see(Some((&ahead, Slot::default())));
+            let there = if (100..200).contains(&k) { 1.0 } else { 0.0 };
+            follower.note([10.0 - 0.6 * there, 10.0 + 0.5 * there], STEP_S);
+        }
+        let gain = follower.gain().string_gain_linf.unwrap();
+        assert!((gain - 1.2).abs() < 1e-9, "{gain}");
+    }
+
     /// By hand: 30 s with 0.6 after 0.5, 20 s with 0.1 after 0.2: squares 0.36·3 + 0.01·2 over 0.25·3 + 0.04·2.
     #[test]
     fn law_episodes_are_added_up_and_short_ones_left_out() {
