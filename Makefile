@@ -35,8 +35,8 @@ bench: ## The benchmarks, one line per figure; the last against real SUMO at up 
 setup: ## Install the pinned SUMO below .sumo/
 	@.ci/install 1.28.0
 
-setup-test: ## Install what the tests need: three versions of SUMO, and foreign networks (sumo-rl)
-	@.ci/install 1.28.0 1.15.0 1.14.1 sumo-rl==1.4.5
+setup-test: ## Install what the tests need: three versions of SUMO, foreign networks (sumo-rl), and what SUMO's plots need
+	@.ci/install 1.28.0 1.15.0 1.14.1 sumo-rl==1.4.5 +matplotlib==3.10.9
 
 clean: ## Remove what was built and written; .sumo/ stays
 	cargo clean

@@ -22,5 +22,5 @@ pub use matrix::Matrix;
 pub use ramp::Ramp;
 pub use roads::{Event, Road, Roads};
 pub use spans::{Span, Spans};
-pub use style::{hue, style};
+pub use style::{STEPS, hue, step_rgb, style};
 pub use tracks::Tracks;

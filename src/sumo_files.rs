@@ -26,7 +26,7 @@ mod tripinfo;
 mod xml;
 
 pub(crate) use arguments::ours;
-pub use arguments::{SumoCommand, sumo_arguments};
+pub use arguments::{SIGNALS, SumoCommand, sumo_arguments};
 pub use conflicts::Conflicts;
 pub(crate) use demand::{Demand, LeftOpen, Param};
 pub use equipped::Equipped;

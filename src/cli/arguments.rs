@@ -94,7 +94,10 @@ pub struct ScenarioArgs {
     /// SUMO measures the conflicts of all vehicles: TTC, DRAC, PET (sumo/ssm.xml)
     #[arg(long)]
     safety: bool,
-    /// Start sumo-gui
+    /// SUMO's FCD output holds our signals: mfc.err, mfc.torque, mfc.alpha (sumo/fcd.xml)
+    #[arg(long)]
+    fcd: bool,
+    /// Start sumo-gui; its egos are coloured by their error
     #[arg(long)]
     gui: bool,
     /// TraCI port
@@ -362,6 +365,9 @@ impl ScenarioArgs {
         overrides.extend(numbers.iter().filter_map(|(flag, path, v)| Some(Override::literal(flag, path, v.as_ref()?))));
         if self.safety {
             overrides.push(Override::literal("--safety", "sumo.safety", true));
+        }
+        if self.fcd {
+            overrides.push(Override::literal("--fcd", "sumo.fcd", true));
         }
         if self.gui {
             overrides.push(Override::literal("--gui", "sumo.gui", true));

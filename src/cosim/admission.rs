@@ -15,7 +15,7 @@ use crate::keys::Key;
 use crate::random::Stream;
 use crate::scenario::{EgoInfo, Group, HeadwayMargin, Selector, parameter_keys, parameter_names};
 use crate::sumo_files::Equipped;
-use crate::traci::{Var, vehicle, vehicletype};
+use crate::traci::{Color, Var, vehicle, vehicletype};
 use std::collections::{BTreeSet, HashMap};
 use std::ops::RangeInclusive;
 
@@ -55,6 +55,8 @@ pub struct Wanted {
     pub headway: bool,
     /// The mass of its vType.
     pub mass: bool,
+    /// Its colour.
+    pub colour: bool,
 }
 
 /// Departed vehicles on their way to becoming egos.
@@ -102,6 +104,8 @@ pub struct Departed {
     pub before: Option<Before>,
     /// Its lane, if that matters.
     pub lane: Option<String>,
+    /// Its colour, if that is changed.
+    pub colour: Option<Color>,
 }
 
 impl Admission {
@@ -264,8 +268,19 @@ impl Question for VehicleQuestion {
         let headway_s = if self.wanted.headway { gets.number(vehicle::TAU) } else { None };
         let before = if self.wanted.before { Before::ask(gets) } else { None };
         let lane = if self.wanted.lane { gets.text(vehicle::LANE).map(str::to_owned) } else { None };
-        let (object, type_id) = (self.object.clone(), type_id?.to_owned());
-        Some(Departed { object, type_id, speed_mps, odometer_m, parameters, imperfection, headway_s, before, lane })
+        let colour = if self.wanted.colour { gets.colour(vehicle::COLOR) } else { None };
+        Some(Departed {
+            object: self.object.clone(),
+            type_id: type_id?.to_owned(),
+            speed_mps,
+            odometer_m,
+            parameters,
+            imperfection,
+            headway_s,
+            before,
+            lane,
+            colour,
+        })
     }
 }
 

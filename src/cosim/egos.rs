@@ -5,6 +5,7 @@ use super::leader::Leader;
 use super::platoon::Follower;
 use super::question::Object;
 use crate::fleet::Slot;
+use crate::traci::Color;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -57,6 +58,10 @@ pub struct Ego {
     pub headway_s: Option<f64>,
     /// Driver imperfection before the scenario changed it.
     pub imperfection_before: Option<f64>,
+    /// Its colour before it showed its error.
+    pub colour_before: Option<Color>,
+    /// The step of colour that it shows.
+    pub shade: Option<usize>,
 }
 
 impl Ego {

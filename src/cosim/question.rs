@@ -5,7 +5,7 @@
 //! command per value and returns nothing yet; one that reads a reply returns the values in the same order; one that reads
 //! a subscription looks them up by their numbers; a SUMO in this process would simply call it.
 
-use crate::traci::{BatchError, Domain, FromValue, Leader, Prefix, Value, Var, vehicle};
+use crate::traci::{BatchError, Color, Domain, FromValue, Leader, Prefix, Value, Var, vehicle};
 use std::sync::Arc;
 
 /// A vehicle, vType, lane or the simulation, by its id in SUMO.
@@ -61,6 +61,16 @@ pub trait Gets<'a> {
     /// A text.
     fn text<S>(&mut self, variable: Var<String, S>) -> Option<&'a str> {
         self.value(variable.domain, variable.id, None)?.as_str()
+    }
+
+    /// A point x, y \[m\].
+    fn position<S>(&mut self, variable: Var<[f64; 2], S>) -> Option<[f64; 2]> {
+        <[f64; 2]>::from_value(self.value(variable.domain, variable.id, None)?).ok()
+    }
+
+    /// A colour.
+    fn colour<S>(&mut self, variable: Var<Color, S>) -> Option<Color> {
+        Color::from_value(self.value(variable.domain, variable.id, None)?).ok()
     }
 
     /// A generic parameter by its key; empty if the object does not have it.

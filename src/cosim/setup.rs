@@ -1,6 +1,7 @@
 //! What a coupling is made of.
 
 use super::admission::Rules;
+use super::display::Display;
 use crate::fleet::{GroupSetup, LoopConfig};
 use crate::reference::Target;
 use crate::scenario::Trace;
@@ -27,6 +28,8 @@ pub struct WorldSetup {
     pub sigma: Option<f64>,
     /// Whose trajectories are wanted, and how often \[s\] if not in every step.
     pub trace: (Trace, Option<f64>),
+    /// What egos show of themselves in SUMO.
+    pub display: Display,
     /// True if other clients may be at this SUMO.
     pub shared: bool,
 }

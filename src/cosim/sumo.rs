@@ -4,6 +4,7 @@
 use super::error::CosimError;
 use super::events::Events;
 use super::question::{NoAnswer, Object, Question};
+use crate::traci::Color;
 use std::future::Future;
 use std::time::Duration;
 
@@ -28,6 +29,10 @@ pub enum Tell {
     SpeedFactor(f64),
     /// Speed mode.
     SpeedMode(i32),
+    /// A generic parameter.
+    Parameter(&'static str, f64),
+    /// Colour.
+    Colour(Color),
 }
 
 /// What SUMO says about itself when it is joined.

@@ -118,6 +118,8 @@ impl Sumo for TraciLink {
             Tell::Decel(decel_mps2) => batch.set(vehicle::DECEL, id, decel_mps2),
             Tell::SpeedFactor(factor) => batch.set(vehicle::SPEED_FACTOR, id, factor),
             Tell::SpeedMode(mode) => batch.set(vehicle::SPEED_MODE, id, mode),
+            Tell::Parameter(key, value) => batch.set(vehicle::PARAMETER, id, (key, value_text(value).as_str())),
+            Tell::Colour(colour) => batch.set(vehicle::COLOR, id, colour),
         }?;
         Ok(())
     }
@@ -275,6 +277,11 @@ fn note_events(block: &Block<'_>, events: &mut Events) -> Result<(), CosimError>
         events.colliding = !colliding.unwrap_or_default().is_empty();
     }
     Ok(())
+}
+
+/// A number as the value of a parameter: four decimals say all that a plot can show.
+fn value_text(value: f64) -> String {
+    ((value * 1e4).round() / 1e4 + 0.0).to_string()
 }
 
 /// Writes the gets of a question; there are no values yet.

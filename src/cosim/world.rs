@@ -3,8 +3,10 @@
 
 use super::admission::{Admission, Newcomer, Wanted};
 use super::body_leads::BodyLeads;
+use super::changes;
 use super::chunk::{BLOCKS_PER_CHUNK, Chunk, share_out};
 use super::creep::Creep;
+use super::display::Display;
 use super::egos::{Ego, EgoTable, Presence};
 use super::error::CosimError;
 use super::events::Events;
@@ -12,6 +14,7 @@ use super::following::note_speeds;
 use super::lanes::Lanes;
 use super::leader::Leader;
 use super::observation::EgoQuestion;
+use super::places::{Place, places};
 use super::platoon::Follower;
 use super::question::NoAnswer;
 use super::readings::{ReadingQuestion, Readings};
@@ -24,6 +27,7 @@ use crate::fleet::follow::Follow;
 use crate::fleet::{Fleet, FleetTime, Slot};
 use crate::scenario::{Trace, TraceRows};
 use crate::traci::Client;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
@@ -54,6 +58,7 @@ pub struct World<S: Sumo = TraciLink> {
     trace: (Trace, TraceRows),
     grade: bool,
     sigma: Option<f64>,
+    display: Display,
     step_s: f64,
     /// Control periods in a step.
     periods: u32,
@@ -93,6 +98,7 @@ impl<S: Sumo> World<S> {
             imperfection: setup.sigma.is_some(),
             headway: setup.rules.headway.is_some(),
             mass: joined.tells_mass,
+            colour: setup.display.colours,
         };
         let mut admission = Admission::new(setup.rules, wanted);
         let mut records = Records::default();
@@ -117,6 +123,7 @@ impl<S: Sumo> World<S> {
             trace: (setup.trace.0, rows),
             grade: setup.grade,
             sigma: setup.sigma,
+            display: setup.display,
             step_s,
             periods: periods as u32,
             steps: 0,
@@ -204,6 +211,8 @@ impl<S: Sumo> World<S> {
                 headway_before_s: departed.headway_s,
                 headway_s,
                 imperfection_before: departed.imperfection,
+                colour_before: departed.colour,
+                shade: None,
             };
             if !ego.lane.is_empty() {
                 self.lanes.arrive(&mut ego, self.fleet.block_mut(slot));
@@ -218,12 +227,7 @@ impl<S: Sumo> World<S> {
     fn tell_before_step(&mut self) -> Result<(), CosimError> {
         let newcomers = std::mem::take(&mut self.newcomers);
         for ego in newcomers.iter().filter_map(|slot| self.egos.get(*slot)) {
-            if let (Some(sigma), Some(_)) = (self.sigma, ego.imperfection_before) {
-                self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
-            }
-            if let Some(headway_s) = ego.headway_s {
-                self.sumo.tell(&ego.object, Tell::Headway(headway_s))?;
-            }
+            changes::make(&mut self.sumo, ego, self.sigma)?;
             if let Some(leader) = &ego.leader {
                 let limits_mps2 = self.fleet.block(ego.slot).acceleration_limits_mps2(ego.slot.lane());
                 leader.take_over(&mut self.sumo, &ego.object, limits_mps2)?;
@@ -355,6 +359,11 @@ impl<S: Sumo> World<S> {
                 self.sumo.tell(&ego.object, self.speed_of(ego))?;
             }
         }
+        for slot in members.iter().filter(|_| self.display.is_on()) {
+            if let Some(ego) = self.egos.get_mut(*slot) {
+                self.display.show(&mut self.sumo, ego, self.fleet.block(*slot))?;
+            }
+        }
         self.sumo.hand_over().await
     }
 
@@ -387,20 +396,19 @@ impl<S: Sumo> World<S> {
         let readings = self.readings.ask(true, Default::default(), &mut self.sumo, &self.egos)?;
         self.hear_readings(readings).await?;
         for ego in self.egos.iter() {
-            if let Some(sigma) = ego.imperfection_before {
-                self.sumo.tell(&ego.object, Tell::Imperfection(sigma))?;
-            }
-            if let (Some(headway_s), Some(_)) = (ego.headway_before_s, ego.headway_s) {
-                self.sumo.tell(&ego.object, Tell::Headway(headway_s))?;
-            }
-            if let Some(leader) = &ego.leader {
-                leader.hand_back(&mut self.sumo, &ego.object)?;
-            }
-            self.sumo.unwatch(&ego.object)?;
+            changes::undo(&mut self.sumo, ego)?;
         }
         self.sumo.leave().await?;
         self.end_all(Reason::Running);
         Ok(())
+    }
+
+    /// Asks where those egos are that `wanted` names, at the end of the last step. An ego that SUMO carries has no place.
+    ///
+    /// # Errors
+    /// If SUMO has ended.
+    pub async fn places(&mut self, wanted: impl Fn(&Ego) -> bool) -> Result<HashMap<Arc<str>, Place>, CosimError> {
+        places(&mut self.sumo, &self.egos, wanted).await
     }
 
     /// Leaves SUMO. What was computed comes back also if SUMO does not answer.

@@ -50,6 +50,12 @@ const RAMP: [[&str; 2]; 9] = [
 /// The number of steps of [`RAMP`]: the classes `v0`, `v1`, ...
 pub const STEPS: usize = RAMP.len();
 
+/// A step as red, green and blue, in the shades for a dark background: more is brighter.
+pub fn step_rgb(step: usize) -> [u8; 3] {
+    let hex = u32::from_str_radix(&RAMP[step.min(STEPS - 1)][1][1..], 16).expect("RAMP has six hexadecimal digits");
+    [hex >> 16, hex >> 8, hex].map(|byte| (byte & 0xff) as u8)
+}
+
 /// The styles that every page and file with figures needs.
 pub fn style() -> String {
     let rules = |shade: usize| {

@@ -3,14 +3,16 @@
 use super::error::RunError;
 use super::outcome::Outcome;
 use super::result_dir::{ResultDir, SCHEMA};
-use super::rows::{EDGES, QUALITY, SampleRow, TRACE, TraceRow, VEHICLES, sort_by_departure};
+use super::rows::{EDGES, PlaceColumns, QUALITY, SampleRow, TRACE, TraceRow, VEHICLES, sort_by_departure};
 use super::sampler::{SAMPLED, Sampler};
 use super::schema::Schema;
-use crate::cosim::{Ego, World};
+use crate::cosim::{Ego, Place, World};
 use crate::fleet::Snapshot;
 use crate::fleet::block::Block;
 use crate::output::{OutputError, Table, write_table};
 use crate::scenario::{Scenario, Trace, TraceRows};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Open files.
 pub struct Recorder {
@@ -36,25 +38,39 @@ impl Recorder {
     }
 
     /// Takes down the step that was just made.
-    pub fn step(&mut self, world: &mut World) -> Result<(), RunError> {
+    pub async fn step(&mut self, world: &mut World) -> Result<(), RunError> {
         self.step += 1;
         for id in world.take_admitted() {
             self.sampler.depart(&id);
         }
+        let samples = self.step.is_multiple_of(self.sample_every);
+        let mut places = self.places(world, samples).await?;
         if let Some(table) = &mut self.trace {
-            trace(table, world, self.step)?;
+            trace(table, world, self.step, &places)?;
         }
-        if self.step.is_multiple_of(self.sample_every) {
+        if samples {
             for (ego, block) in world.driving() {
                 if self.sampler.follows(ego.id()) {
                     let now = block.snapshot(ego.slot.lane());
-                    let TraceRow { time, id, speed, target, distance, torque, .. } =
-                        trace_row(ego, &now, world.time_s());
-                    self.sampler.write(&SampleRow { time, id, speed, target, distance, torque })?;
+                    let place = places.remove(ego.id());
+                    let TraceRow { time, id, speed, target, distance, torque, place, .. } =
+                        trace_row(ego, &now, world.time_s(), place);
+                    self.sampler.write(&SampleRow { time, id, speed, target, distance, torque, place })?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// The places of the egos that get a row now.
+    async fn places(&self, world: &mut World, samples: bool) -> Result<HashMap<Arc<str>, Place>, RunError> {
+        let (who, rows) = world.trace().clone();
+        let traces = self.trace.is_some() && rows.at_the_end_of(self.step);
+        if !traces && !samples {
+            return Ok(HashMap::new());
+        }
+        let wanted = |ego: &Ego| traces && who.names(ego.id()) || samples && self.sampler.follows(ego.id());
+        Ok(world.places(wanted).await?)
     }
 
     /// Completes all tables that can be completed; the first error is the one to tell.
@@ -75,22 +91,30 @@ impl Recorder {
 }
 
 /// The rows of a step, in the order of time.
-fn trace(table: &mut Table<'_, TraceRow>, world: &World, step: u64) -> Result<(), OutputError> {
+fn trace(
+    table: &mut Table<'_, TraceRow>,
+    world: &World,
+    step: u64,
+    places: &HashMap<Arc<str>, Place>,
+) -> Result<(), OutputError> {
     let (who, rows) = world.trace();
     let traced = world.driving().filter(|(ego, _)| who.names(ego.id()));
     match *rows {
         TraceRows::Steps(every) if step.is_multiple_of(every) => {
             for (ego, block) in traced {
-                table.write(&trace_row(ego, &block.snapshot(ego.slot.lane()), world.time_s()))?;
+                let place = places.get(ego.id()).cloned();
+                table.write(&trace_row(ego, &block.snapshot(ego.slot.lane()), world.time_s(), place))?;
             }
         }
         TraceRows::Steps(_) => {}
         TraceRows::Periods(_) => {
             let begin_s = world.time_s() - world.step_s();
+            let last = (world.step_s() / world.period_s()).round() as u32;
             let at = |period| ((begin_s + f64::from(period) * world.period_s()) * 1e6).round() / 1e6;
             let of_ego = |(ego, block): (&Ego, &Block)| {
-                let rows = block.snapshots(ego.slot.lane());
-                rows.map(|(period, shown)| (period, trace_row(ego, shown, at(period)))).collect::<Vec<_>>()
+                let place = |period| places.get(ego.id()).filter(|_| period == last).cloned();
+                let row = |(period, shown)| (period, trace_row(ego, shown, at(period), place(period)));
+                block.snapshots(ego.slot.lane()).map(row).collect::<Vec<_>>()
             };
             let mut rows: Vec<_> = traced.flat_map(of_ego).collect();
             rows.sort_by_key(|(period, _)| *period);
@@ -101,7 +125,7 @@ fn trace(table: &mut Table<'_, TraceRow>, world: &World, step: u64) -> Result<()
 }
 
 /// One line of the trace.
-pub(super) fn trace_row(ego: &Ego, shown: &Snapshot, time_s: f64) -> TraceRow {
+pub(super) fn trace_row(ego: &Ego, shown: &Snapshot, time_s: f64, place: Option<Place>) -> TraceRow {
     TraceRow {
         time: time_s,
         id: ego.id().clone(),
@@ -117,5 +141,6 @@ pub(super) fn trace_row(ego: &Ego, shown: &Snapshot, time_s: f64) -> TraceRow {
         alpha_hat: shown.alpha_ratio,
         f_hat: shown.f_hat_mps2,
         distance: shown.distance_m,
+        place: place.map(PlaceColumns::from).unwrap_or_default(),
     }
 }

@@ -1,6 +1,6 @@
 //! The rows of the tables of a run. Each field is declared once, with column, unit and meaning.
 
-use crate::cosim::{Reason, Roads, StringGain};
+use crate::cosim::{Place, Reason, Roads, StringGain};
 use crate::stats::{DriveQuality, Sums, VehicleStats};
 use crate::table::{Cell, Column, Columns, Field, Kind, Layout, record};
 use std::sync::{Arc, LazyLock};
@@ -80,6 +80,25 @@ record! {
         alpha_hat: f64 = "Estimate of α over its nominal value";
         f_hat: f64 = "Estimate of F" ["m/s²"];
         distance: f64 = "Distance that the body has driven" ["m"];
+        /// Where SUMO shows it.
+        place: PlaceColumns;
+    }
+}
+
+record! {
+    /// Where SUMO shows a vehicle; `None` within SUMO's steps.
+    #[derive(Debug, Clone, Default, PartialEq)]
+    pub struct PlaceColumns {
+        x: Option<f64> = "Middle of the front bumper in the network's coordinates, to the east; empty within SUMO's steps" ["m"];
+        y: Option<f64> = "The same, to the north" ["m"];
+        angle: Option<f64> = "Heading, clockwise from north" ["degrees"];
+        lane: Option<String> = "SUMO's id of the lane";
+    }
+}
+
+impl From<Place> for PlaceColumns {
+    fn from(Place { position_m: [x, y], heading_deg, lane }: Place) -> Self {
+        Self { x: Some(x), y: Some(y), angle: Some(heading_deg), lane: Some(lane) }
     }
 }
 
@@ -93,6 +112,8 @@ record! {
         target: f64 = "Target speed: v*, the limit or the profile" ["m/s"];
         distance: f64 = "Distance that the body has driven" ["m"];
         torque: f64 = "Applied torque, sum over the wheels" ["N·m"];
+        /// Where SUMO shows it.
+        place: PlaceColumns;
     }
 }
 

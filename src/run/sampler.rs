@@ -5,7 +5,7 @@
 //! is pushed out never comes back, so those that are left at the end were followed from their departure on. The points
 //! go to an unnamed file meanwhile, so memory does not grow with time; about k·(1 + ln(n/k)) of n vehicles pass through it.
 
-use super::rows::{SAMPLE, SampleRow};
+use super::rows::{PlaceColumns, SAMPLE, SampleRow};
 use crate::output::{OutputError, Table, file_error};
 use crate::random::Stream;
 use std::collections::{BTreeMap, HashMap};
@@ -17,8 +17,8 @@ use std::sync::Arc;
 /// Vehicles in `sample.csv`.
 pub const SAMPLED: usize = 200;
 
-/// One point in the unnamed file: the vehicle's number, time, speed, target, distance and torque.
-type Point = (u64, f64, f64, f64, f64, f64);
+/// One point in the unnamed file: the vehicle's number, time, speed, target, distance, torque, and its place.
+type Point = (u64, [f64; 5], ([Option<f64>; 3], Option<String>));
 
 /// Follows a sample of the vehicles.
 #[derive(Debug)]
@@ -79,7 +79,9 @@ impl Sampler {
     /// [`OutputError::File`] naming the table, e.g. when the disk is full.
     pub fn write(&mut self, row: &SampleRow) -> Result<(), OutputError> {
         let Some(number) = self.numbers.get(&row.id) else { return Ok(()) };
-        let point: Point = (*number, row.time, row.speed, row.target, row.distance, row.torque);
+        let PlaceColumns { x, y, angle, lane } = row.place.clone();
+        let numbers = [row.time, row.speed, row.target, row.distance, row.torque];
+        let point: Point = (*number, numbers, ([x, y, angle], lane));
         self.points.serialize(point).map_err(|e| file_error("write", &self.path)(e.into()))
     }
 
@@ -94,10 +96,11 @@ impl Sampler {
         points.rewind().map_err(file_error("read", &path))?;
         let mut table = Table::create(&path, &SAMPLE)?;
         for point in csv::ReaderBuilder::new().has_headers(false).from_reader(points).deserialize() {
-            let (number, time, speed, target, distance, torque): Point =
+            let (number, [time, speed, target, distance, torque], ([x, y, angle], lane)): Point =
                 point.map_err(|e| file_error("read", &path)(e.into()))?;
+            let place = PlaceColumns { x, y, angle, lane };
             if let Some(id) = ids.get(&number) {
-                table.write(&SampleRow { time, id: id.clone(), speed, target, distance, torque })?;
+                table.write(&SampleRow { time, id: id.clone(), speed, target, distance, torque, place })?;
             }
         }
         table.finish()
@@ -120,7 +123,11 @@ mod tests {
             for k in time.saturating_sub(19)..=time.min(vehicles - 1) {
                 let (time, distance) = (f64::from(time), f64::from(time - k));
                 let id = ids[k as usize].clone();
-                sampler.write(&SampleRow { time, id, speed: 1.0, target: 1.0, distance, torque: -2.5 }).unwrap();
+                // It has no place in every third second, as while SUMO carries it.
+                let lane = (time as u32 % 3 > 0).then(|| "a,\"b\"_0".to_owned());
+                let place = PlaceColumns { x: lane.as_ref().map(|_| 0.5), lane, ..PlaceColumns::default() };
+                let (speed, target, torque) = (1.0, 1.0, -2.5);
+                sampler.write(&SampleRow { time, id, speed, target, distance, torque, place }).unwrap();
             }
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "the points have no name");
@@ -139,13 +146,18 @@ mod tests {
     #[test]
     fn law_whoever_is_in_the_sample_is_there_from_departure_to_arrival() {
         let lines = run(42, 300, 10);
-        assert_eq!(lines[0], "time,id,speed,target,distance,torque");
+        assert_eq!(lines[0], "time,id,speed,target,distance,torque,x,y,angle,lane");
         let counts = followed(&lines);
         assert_eq!(counts.len(), 10);
         assert!(counts.values().all(|n| *n == 20), "{counts:?}");
         let times: Vec<f64> = lines[1..].iter().map(|l| l.split(',').next().unwrap().parse().unwrap()).collect();
         assert!(times.is_sorted());
-        assert!(lines[1].ends_with(",1,1,0,-2.5"), "{}", lines[1]);
+        let places = |line: &String| {
+            let (_, place) = line.split_once(",-2.5,").expect("the torque");
+            let time: f64 = line.split(',').next().unwrap().parse().unwrap();
+            assert_eq!(place, if time as u32 % 3 > 0 { "0.5,,,\"a,\"\"b\"\"_0\"" } else { ",,," }, "{line}");
+        };
+        lines[1..].iter().for_each(places);
     }
 
     #[test]

@@ -9,10 +9,11 @@ use super::result::{ResultWriter, RunResult};
 use super::rows::TraceRow;
 use super::setup;
 use super::signals::Signal;
-use crate::cosim::{CosimError, Sumo, World};
+use crate::cosim::{CosimError, FULL_COLOUR_MPS, Sumo, World};
 use crate::reference::Target;
 use crate::scenario::{Group, Scenario};
 use crate::stats::VehicleStats;
+use crate::sumo_files::SIGNALS;
 use crate::traci::{Client, SumoProcess, find_named};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -205,10 +206,11 @@ impl Session {
         self.end_s
     }
 
-    /// The egos on the road at the end of the last step: id, target, reference, speed, torque, distance, ...
+    /// The egos on the road at the end of the last step: id, target, reference, speed, torque, distance, ... Their places
+    /// are empty: SUMO has to be asked for them.
     pub fn egos(&self) -> impl Iterator<Item = TraceRow> {
         let time_s = self.world.time_s();
-        self.world.driving().map(move |(ego, block)| trace_row(ego, &block.snapshot(ego.slot.lane()), time_s))
+        self.world.driving().map(move |(ego, block)| trace_row(ego, &block.snapshot(ego.slot.lane()), time_s, None))
     }
 
     /// The statistics of an ego on the road so far.
@@ -227,7 +229,7 @@ async fn step(world: &mut World, recorder: &mut Recorder, profiler: &mut Profile
     profiler.start();
     world.step().await?;
     profiler.stepped(world);
-    recorder.step(world)?;
+    recorder.step(world).await?;
     profiler.written();
     Ok(())
 }
@@ -265,6 +267,11 @@ async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Op
     let setup = setup::world(&result.scenario)?;
     let noted: BTreeSet<&str> = setup.targets.iter().filter_map(Target::note).collect();
     result.notes.extend(noted.into_iter().map(str::to_owned));
+    if setup.display.colours {
+        result.notes.push(format!(
+            "egos are coloured by |true speed − reference|: from blue at 0 to yellow at {FULL_COLOUR_MPS} m/s and more"
+        ));
+    }
     let mut world = World::join(client, setup).await?;
     let end_s = match result.scenario.sumo.end_s {
         Some(end_s) => Some(end_s),
@@ -272,14 +279,14 @@ async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Op
     };
     if let Some(address) = &result.scenario.sumo.connect {
         let bodies = result.scenario.groups.iter().any(Group::has_body);
-        result.notes.extend(of_joined(&mut world, address, bodies).await?);
+        result.notes.extend(of_joined(&mut world, address, [bodies, result.scenario.sumo.fcd]).await?);
     }
     result.recorder = Some(Recorder::open(&result.scenario, &result.dir, &world)?);
     Ok((world, end_s))
 }
 
 /// What a SUMO that somebody else has started does in another way than one of ours.
-async fn of_joined(world: &mut World, address: &str, bodies: bool) -> Result<Vec<String>, RunError> {
+async fn of_joined(world: &mut World, address: &str, [bodies, fcd]: [bool; 2]) -> Result<Vec<String>, RunError> {
     let mut notes = Vec::new();
     if world.sumo_mut().option("step-method.ballistic").await?.as_deref() == Some("false") {
         notes.push(format!(
@@ -292,6 +299,12 @@ async fn of_joined(world: &mut World, address: &str, bodies: bool) -> Result<Vec
     if bodies && factor.is_some_and(|factor| factor != 0.0) {
         notes.push(format!(
             "the SUMO at {address} counts gaps below minGap as collisions (start it with --collision.mingap-factor 0)"
+        ));
+    }
+    if world.sumo_mut().option("fcd-output.params").await?.is_none_or(|params| !params.contains(SIGNALS[0])) && fcd {
+        notes.push(format!(
+            "the SUMO at {address} writes none of our signals (start it with --fcd-output FILE --fcd-output.params {})",
+            SIGNALS.join(",")
         ));
     }
     Ok(notes)

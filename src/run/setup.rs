@@ -1,7 +1,7 @@
 //! From a scenario to what the world is made of: registries are asked, files of profiles and tyres are read.
 
 use super::RunError;
-use crate::cosim::{Rules, WorldSetup};
+use crate::cosim::{Display, Rules, WorldSetup};
 use crate::scenario::Scenario;
 
 /// The world of a scenario.
@@ -28,6 +28,7 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         friction: scenario.coupling.friction,
         sigma: scenario.traffic.sigma,
         trace: (scenario.output.trace.clone(), scenario.output.trace_period_s),
+        display: Display { signals: scenario.sumo.fcd, colours: scenario.sumo.gui },
         shared: scenario.sumo.connect.is_some() || scenario.sumo.num_clients > 1,
     })
 }

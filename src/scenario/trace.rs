@@ -34,6 +34,14 @@ impl Trace {
 }
 
 impl TraceRows {
+    /// Whether there is a row at the end of this step.
+    pub fn at_the_end_of(self, step: u64) -> bool {
+        match self {
+            Self::Steps(every) => step.is_multiple_of(every),
+            Self::Periods(_) => true,
+        }
+    }
+
     /// Rows every `trace_s` \[s\], of steps and control periods of these lengths \[s\].
     ///
     /// # Errors

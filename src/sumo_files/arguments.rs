@@ -39,6 +39,9 @@ const SAFETY: [(&str, &str); 4] = [
     ("device.ssm.trajectories", "false"),
 ];
 
+/// The generic parameters by which egos show their error [m/s], torque \[N·m\] and α̂/α_nominal in SUMO's FCD output.
+pub const SIGNALS: [&str; 3] = ["mfc.err", "mfc.torque", "mfc.alpha"];
+
 /// How to start SUMO, and what it will leave behind.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SumoCommand {
@@ -88,21 +91,9 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
         line.push("load-state", &state.to_string_lossy());
         line.push("begin", &state_time(state)?);
     }
-    line.push("step-length", &setup.step_length_s.to_string());
-    for (option, period_s) in Sampling::of(&settings, setup.step_length_s).periods {
-        line.push(option, &period_s);
-    }
-    line.push("seed", &setup.seed.to_string());
-    line.push("random", "false");
-    line.push("step-method.ballistic", &setup.ballistic.to_string());
-    if setup.num_clients > 1 || settings.value("num-clients").is_some() {
-        line.push("num-clients", &setup.num_clients.to_string());
-    }
-    if setup.contacts == Some(true) && settings.value("collision.mingap-factor").is_none() {
-        line.push("collision.mingap-factor", "0");
-    }
-    if setup.safety {
-        SAFETY.iter().for_each(|(option, value)| line.push(option, value));
+    stepping(&mut line, setup, &settings);
+    if setup.fcd {
+        options = with_signals(&mut line, options, &settings);
     }
     line.push("no-step-log", "true");
     if setup.gui {
@@ -122,12 +113,45 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     // Vehicles may bring this device along in their parameters; without a name its file lands beside the configuration.
     let conflicts = ours("device.ssm.file", "ssm.xml");
     let tripinfo = ours("tripinfo-output", "tripinfo.xml");
+    if setup.fcd {
+        ours("fcd-output", "fcd.xml");
+    }
     if !outputs.contains_key("tripinfo-output") {
         line.push("tripinfo-output.write-unfinished", "true");
     }
     let mut arguments = line.arguments;
     arguments.extend(options);
     Ok(SumoCommand { arguments, statistics, tripinfo, log, conflicts })
+}
+
+/// How SUMO steps, what it draws its random numbers from, and what its devices measure.
+fn stepping(line: &mut Line, setup: &SumoSetup, settings: &Settings) {
+    line.push("step-length", &setup.step_length_s.to_string());
+    for (option, period_s) in Sampling::of(settings, setup.step_length_s).periods {
+        line.push(option, &period_s);
+    }
+    line.push("seed", &setup.seed.to_string());
+    line.push("random", "false");
+    line.push("step-method.ballistic", &setup.ballistic.to_string());
+    if setup.num_clients > 1 || settings.value("num-clients").is_some() {
+        line.push("num-clients", &setup.num_clients.to_string());
+    }
+    if setup.contacts == Some(true) && settings.value("collision.mingap-factor").is_none() {
+        line.push("collision.mingap-factor", "0");
+    }
+    if setup.safety {
+        SAFETY.iter().for_each(|(option, value)| line.push(option, value));
+    }
+}
+
+/// Lets the FCD output have [`SIGNALS`] beside the parameters that the user asks for. Returns the user's options without
+/// those.
+fn with_signals(line: &mut Line, options: Vec<String>, settings: &Settings) -> Vec<String> {
+    let theirs = settings.value("fcd-output.params").unwrap_or_default();
+    let params: Vec<&str> = list(theirs).filter(|name| !SIGNALS.contains(name)).chain(SIGNALS).collect();
+    let given = line.given.remove("fcd-output.params").is_some();
+    line.push("fcd-output.params", &params.join(","));
+    if given { without(&options, "fcd-output.params") } else { options }
 }
 
 /// Redirects what a configuration writes. Returns where its outputs go, by option.

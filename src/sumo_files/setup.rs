@@ -29,6 +29,8 @@ keys! {
         contacts: Option<bool>;
         /// SUMO measures conflicts of all vehicles (its SSM device: TTC, DRAC, PET)
         safety: bool = false;
+        /// SUMO's FCD output (sumo/fcd.xml, or where the configuration has it) holds mfc.err, mfc.torque and mfc.alpha of egos
+        fcd: bool = false;
         /// further options of SUMO
         options: Vec<String>;
         /// start sumo-gui instead of sumo

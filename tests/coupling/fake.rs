@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use sumo_mfc::cosim::{CosimError, Events, Gets, Joined, NoAnswer, Object, Question, Sumo, Tell, With};
-use sumo_mfc::traci::{Domain, Error, Value, lane, vehicle, vehicletype};
+use sumo_mfc::traci::{Color, Domain, Error, Value, lane, vehicle, vehicletype};
 
 /// Length of a step [s].
 pub const STEP_S: f64 = 0.1;
@@ -18,6 +18,8 @@ const ACCEL_MPS2: f64 = 2.6;
 const DECEL_MPS2: f64 = 4.5;
 const SPEED_MODE: i32 = 31;
 const IMPERFECTION: f64 = 0.5;
+/// The colour of a car that nobody has coloured.
+pub const YELLOW: Color = Color { red: 255, green: 255, blue: 0, alpha: 255 };
 
 /// A car, with what is going to happen to it.
 #[derive(Debug, Clone)]
@@ -73,6 +75,7 @@ struct Driver {
     speed_mode: i32,
     imperfection: f64,
     headway_s: f64,
+    colour: Color,
 }
 
 /// The world.
@@ -121,6 +124,8 @@ impl Fake {
             Tell::Decel(decel_mps2) => driver.decel_mps2 = decel_mps2,
             Tell::SpeedFactor(factor) => driver.speed_factor = factor,
             Tell::SpeedMode(mode) => driver.speed_mode = mode,
+            Tell::Colour(colour) => driver.colour = colour,
+            Tell::Parameter(..) => {}
         }
     }
 
@@ -168,6 +173,7 @@ impl Fake {
                 speed_mode: SPEED_MODE,
                 imperfection: IMPERFECTION,
                 headway_s: 1.0,
+                colour: YELLOW,
                 car,
             };
             self.road.insert(driver.car.id.clone(), driver);
@@ -340,6 +346,8 @@ fn vehicle_value(driver: &Driver, variable: u8) -> Option<Value<'_>> {
     let on_road = |value| if driver.carried { None } else { Some(value) };
     match variable {
         v if v == vehicle::SPEED.id => on_road(Value::Double(driver.car.speed_mps)),
+        v if v == vehicle::POSITION.id => on_road(Value::Position2([driver.car.position_m, 1.5])),
+        v if v == vehicle::COLOR.id => Some(Value::Color(driver.colour)),
         v if v == vehicle::ANGLE.id => on_road(Value::Double(90.0)),
         v if v == vehicle::SLOPE.id => on_road(Value::Double(0.0)),
         v if v == vehicle::LANE.id => Some(Value::Text(if driver.carried { "" } else { "road_0" })),

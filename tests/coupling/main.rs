@@ -3,12 +3,13 @@
 
 mod fake;
 
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
-use fake::{Car, Fake, LIMIT_MPS, STEP_S};
-use sumo_mfc::cosim::{Finished, Presence, Reason, Records, Tell, World};
+use fake::{Car, Fake, LIMIT_MPS, STEP_S, YELLOW};
+use sumo_mfc::cosim::{Finished, Place, Presence, Reason, Records, Tell, World};
 use sumo_mfc::run;
 use sumo_mfc::scenario::{Catalog, Override, Request, Scenario};
+use sumo_mfc::traci::Color;
 
 /// A world over a traffic world in memory, with these settings of the scenario.
 fn world(fake: Fake, sets: &[&str]) -> World<Fake> {
@@ -405,4 +406,71 @@ fn the_friction_of_the_lane_reaches_the_tyres() {
         let (ego, block) = world.driving().next().unwrap();
         assert_eq!(block.plant().body(ego.slot.lane()).friction, [wanted; 4]);
     }
+}
+
+/// The colours, and the last value of every parameter, that a vehicle was told.
+fn shown(world: &mut World<Fake>, id: &str) -> (Vec<Color>, BTreeMap<&'static str, f64>) {
+    let (mut colours, mut parameters) = (Vec::new(), BTreeMap::new());
+    for told in world.sumo_mut().told_to(id) {
+        match told {
+            Tell::Colour(colour) => colours.push(colour),
+            Tell::Parameter(name, value) => drop(parameters.insert(name, value)),
+            _ => {}
+        }
+    }
+    (colours, parameters)
+}
+
+#[test]
+fn egos_show_their_signals_and_the_size_of_their_error() {
+    // Torque that comes late makes errors of all sizes.
+    let sets = ["sumo.fcd=true", "sumo.gui=true", "controller.name=adaptive", "actuator.delay_s=0.4"];
+    let mut world = world(Fake::new([Car::new("a", 0, 1)]), &sets);
+    step(&mut world, 300);
+    let (ego, block) = world.driving().next().unwrap();
+    let now_shown = block.snapshot(ego.slot.lane());
+    let wanted = [now_shown.speed_mps - now_shown.reference_mps, now_shown.torque_nm, now_shown.alpha_ratio];
+    let (colours, parameters) = shown(&mut world, "a");
+    assert_eq!(parameters, ["mfc.err", "mfc.torque", "mfc.alpha"].into_iter().zip(wanted).collect());
+    assert!((3..290).contains(&colours.len()), "told where it changes: {}", colours.len());
+    assert!(colours.windows(2).all(|pair| pair[0] != pair[1]));
+    // What is told after a step: the signals, then the colour if it changes. A larger error is brighter.
+    let (mut error_mps, mut seen) = (0.0, Vec::new());
+    for told in world.sumo_mut().told_to("a") {
+        match told {
+            Tell::Parameter("mfc.err", value) => error_mps = f64::abs(value),
+            Tell::Colour(colour) => seen.push((error_mps, colour.green)),
+            _ => {}
+        }
+    }
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+    assert!(seen.is_sorted_by_key(|(_, green)| *green) && seen[0].1 < seen[seen.len() - 1].1, "{seen:?}");
+    now(world.hand_back()).unwrap();
+    assert_eq!(shown(&mut world, "a").0.last(), Some(&YELLOW), "as it was");
+}
+
+#[test]
+fn nothing_is_shown_that_nobody_asked_for() {
+    let mut world = world(Fake::new([Car::new("a", 0, 1)]), &[]);
+    step(&mut world, 50);
+    now(world.hand_back()).unwrap();
+    assert_eq!(shown(&mut world, "a"), (Vec::new(), BTreeMap::new()));
+}
+
+#[test]
+fn places_are_asked_of_those_that_are_followed_and_on_the_road() {
+    let carried = Car { teleport: Some((40, 50)), ..Car::new("b", 1, 1) };
+    let mut world = world(Fake::new([Car::new("a", 0, 1), carried, Car::new("c", 2, 1)]), &[]);
+    step(&mut world, 30);
+    let asked = world.sumo_mut().asked;
+    let places = now(world.places(|ego| **ego.id() != *"c")).unwrap();
+    assert_eq!(world.sumo_mut().asked, asked + 2);
+    let mut ids: Vec<&str> = places.keys().map(|id| &**id).collect();
+    ids.sort_unstable();
+    assert_eq!(ids, ["a", "b"]);
+    let Place { position_m, heading_deg, lane } = &places["a"];
+    assert!(position_m[0] > 5.0 && position_m[1] == 1.5, "{position_m:?}");
+    assert_eq!((*heading_deg, lane.as_str()), (90.0, "road_0"));
+    step(&mut world, 15);
+    assert_eq!(now(world.places(|ego| **ego.id() == *"b")).unwrap().len(), 0, "SUMO carries it");
 }

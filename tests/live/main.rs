@@ -19,3 +19,4 @@ mod step;
 mod support;
 mod trace;
 mod tyres;
+mod window;

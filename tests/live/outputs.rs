@@ -1,7 +1,9 @@
 //! SUMO's own outputs and its log: as the user asked for them.
 
-use crate::support::{CAR, NEW, OLD, attribute, configuration, elements, own, plain_sumo, run, straight_road};
-use std::fs;
+use crate::support::{
+    CAR, NEW, OLD, Outcome, attribute, configuration, elements, number, own, plain_sumo, run, straight_road,
+};
+use std::{collections::BTreeMap, fs, path::Path};
 
 /// The times at which a file has samples.
 fn times(path: &std::path::Path, element: &str) -> Vec<f64> {
@@ -87,4 +89,71 @@ fn quiet_is_quiet() {
         "{}",
         told.ended.stderr
     );
+}
+
+/// A car that stops on its way, so that signals change.
+const STOPPING: &str = r#"<vehicle id="ego" type="car" depart="0"><route edges="ab bc"/><stop lane="ab_0" endPos="150" duration="3"/></vehicle>"#;
+
+/// `--fcd`: SUMO's own rows hold what our trace has at the same time.
+#[test]
+fn fcd_holds_our_signals() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = straight_road(folder.path(), &format!("{CAR}{STOPPING}"));
+    for version in [NEW, OLD] {
+        let late = ["--set", "actuator.delay_s=0.3", "--trace", "ego", "--fcd"];
+        let result = run(version, &config, &late);
+        let trace = result.table("trace.csv");
+        let rows = timed(&result.dir.join("sumo/fcd.xml"));
+        let (mut compared, mut largest) = (0, 0.0_f64);
+        for row in &trace {
+            let Some(fcd) = rows.get(&row["time"]).filter(|line| line.contains("mfc.err")) else { continue };
+            let shown = |name: &str| attribute(fcd, name).parse::<f64>().unwrap();
+            let error = number(row, "speed") - number(row, "reference");
+            for (name, wanted) in
+                [("mfc.err", error), ("mfc.torque", number(row, "torque")), ("mfc.alpha", number(row, "alpha_hat"))]
+            {
+                assert!((shown(name) - wanted).abs() < 1e-4, "SUMO {version}: {name} at {}: {fcd}", row["time"]);
+            }
+            compared += 1;
+            largest = largest.max(error.abs());
+        }
+        assert!(compared > trace.len() - 3, "SUMO {version}: {compared} of {} rows", trace.len());
+        assert!(largest > 0.1, "SUMO {version}: {largest}: the errors are worth comparing");
+    }
+}
+
+/// The configuration's FCD output stays where it is, and other parameters that it asks for stay in it.
+#[test]
+fn fcd_of_the_configuration_gets_our_signals_beside_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let ego = STOPPING.replace("><route", r#"><param key="fleet" value="north"/><route"#);
+    let config = straight_road(folder.path(), "");
+    let more = r#"<output><fcd-output value="mine.xml"/><fcd-output.params value="fleet"/></output>"#;
+    configuration(folder.path(), &folder.path().join("made.net.xml"), &format!("{CAR}{ego}"), more);
+    let check = |result: &Outcome, file: &str| {
+        let fcd = fs::read_to_string(result.dir.join("sumo").join(file)).unwrap();
+        for wanted in ["fleet=\"north\"", "mfc.err=\"", "mfc.torque=\"", "mfc.alpha=\""] {
+            assert!(fcd.contains(wanted), "{wanted} in {file}");
+        }
+    };
+    check(&run(NEW, &config, &["--fcd"]), "mine.xml");
+    check(&run(NEW, &config, &["--fcd", "--", "--fcd-output.params", "fleet,other"]), "mine.xml");
+    // Without the option nothing is added.
+    let plain = run(NEW, &config, &[]);
+    let fcd = fs::read_to_string(plain.dir.join("sumo/mine.xml")).unwrap();
+    assert!(fcd.contains("fleet=") && !fcd.contains("mfc."), "{fcd}");
+}
+
+/// The vehicle lines of an FCD output with a single vehicle, by their time.
+fn timed(path: &Path) -> BTreeMap<String, String> {
+    let text = fs::read_to_string(path).unwrap();
+    let (mut rows, mut time) = (BTreeMap::new(), 0.0);
+    for line in text.lines() {
+        if line.contains("<timestep") {
+            time = attribute(line, "time").parse::<f64>().unwrap();
+        } else if line.contains("<vehicle") {
+            rows.insert(time.to_string(), line.to_owned());
+        }
+    }
+    rows
 }

@@ -63,7 +63,7 @@ fn other_tables_have_the_columns_that_were_promised() {
     assert_eq!(
         trace.join(","),
         "time,id,target,reference,speed,measured_speed,lateral_speed,yaw_rate,slip_front,slip_rear,torque,\
-         alpha_hat,f_hat,distance"
+         alpha_hat,f_hat,distance,x,y,angle,lane"
     );
     let edges: Vec<_> = EDGES.shape.columns.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(edges.join(","), "edge,samples,error_mean,error_rms,speed_mean");
@@ -211,6 +211,12 @@ fn point(time: f64, id: &str) -> TraceRow {
         alpha_hat: 1.0,
         f_hat: -0.2,
         distance: 100.0,
+        place: PlaceColumns {
+            x: Some(1.5),
+            y: Some(-2.0),
+            angle: Some(90.0),
+            lane: (id != "b").then(|| "e_0".to_owned()),
+        },
     }
 }
 
@@ -225,6 +231,9 @@ fn a_trace_in_xml_has_one_timestep_per_time() {
         .collect();
     assert_eq!(names, ["trace ", "timestep 0.1", "vehicle a", "vehicle b", "timestep 0.2", "vehicle a"]);
     let text = fs::read_to_string(path).unwrap();
+    // SUMO's tools read these attributes in this order, with others between them.
+    let row = "<vehicle id=\"a\" x=\"1.5\" y=\"-2\" angle=\"90\" speed=\"13.75\" lane=\"e_0\" target=\"13.9\"";
+    assert_eq!(text.matches(row).count(), 2, "{text}");
     assert_eq!(text.matches("</timestep>").count(), 2);
     assert!(text.ends_with("    </timestep>\n</trace>\n"), "{text}");
 }
