@@ -16,7 +16,7 @@ mod study;
 
 use std::{
     io::{ErrorKind, IsTerminal, Write},
-    path::Path,
+    path::{Path, PathBuf},
     process::ExitCode,
 };
 
@@ -48,6 +48,7 @@ pub fn main(catalog: &Catalog) -> ExitCode {
         Command::Compare(args) => study::study(&args.study, args.arguments(), catalog),
         Command::Sweep(args) => study::study(&args.study, args.arguments(), catalog),
         Command::Report(args) => report_of(args),
+        Command::Recover(args) => recover(&args.dirs),
         Command::Check(args) => check(&args, catalog),
         Command::Paper(args) => paper_tests(args),
         Command::List => print(&catalog.lines()),
@@ -123,6 +124,22 @@ fn check(args: &CheckArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     let scenario = Scenario::load(&args.scenario.request(), catalog)?;
     notes(&scenario.notes);
     print(&scenario.to_toml())
+}
+
+fn recover(dirs: &[PathBuf]) -> miette::Result<ExitCode> {
+    for dir in dirs {
+        let run::Recovered { tables, lost } = run::recover(dir)?;
+        let rows = |(name, rows): &(String, Option<usize>)| match rows {
+            Some(rows) => format!("{name} ({rows} rows)"),
+            None => name.clone(),
+        };
+        let tables: Vec<String> = tables.iter().map(rows).collect();
+        print(&format!("{}: {}\n", dir.display(), tables.join(", ")))?;
+        if !lost.is_empty() {
+            eprintln!("note: {}: lost: {}", dir.display(), lost.join(", "));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
 }
 
 fn report_of(args: ReportArgs) -> miette::Result<ExitCode> {

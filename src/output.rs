@@ -2,13 +2,14 @@
 //!
 //! Every format takes the rows of a [`Layout`](crate::table::Layout), and knows nothing of what they mean. The suffix of
 //! the path chooses the format from [`FORMATS`]. Every file is written as `.part` and renamed once it is whole
-//! ([`PartFile`]), so a file without that suffix is complete.
+//! ([`PartFile`]), so a file without that suffix is complete. Where rows must not be lost before, the `.part` is a journal.
 //!
 //! A new format is one file with a [`Sink`] and one line in [`FORMATS`].
 
 mod atomic;
 mod csv;
 mod error;
+mod journal;
 mod parquet;
 mod sink;
 mod text;
@@ -18,6 +19,7 @@ mod xml;
 pub use atomic::{PartFile, part_of, write_json, write_whole};
 pub use error::OutputError;
 pub(crate) use error::file_error;
+pub(crate) use journal::{Journal, read_journal, whole_of, write_over};
 pub use sink::Sink;
 pub use text::append;
 pub use write::{FORMATS, OpenSink, Table, write_table};

@@ -185,6 +185,25 @@ pub struct Layout<R> {
     reads: Vec<Read<R>>,
 }
 
+impl Layout<Vec<String>> {
+    /// A table read back, each row the texts of its values.
+    pub fn of_texts(shape: &Shape) -> Self {
+        let read = |(place, column): (usize, &Column)| -> Read<Vec<String>> {
+            let kind = column.kind;
+            Box::new(move |row| {
+                let text = row[place].as_str();
+                match kind {
+                    Kind::Text => Cell::Text((!text.is_empty()).then_some(text)),
+                    Kind::Number => Cell::Number(text.parse().ok()),
+                    Kind::Count => text.parse().map_or(Cell::Number(None), Cell::Count),
+                    Kind::Flag => Cell::Flag(text == "true"),
+                }
+            })
+        };
+        Self { shape: shape.clone(), reads: shape.columns.iter().enumerate().map(read).collect() }
+    }
+}
+
 impl<R: 'static> Layout<R> {
     /// A table with these columns; `names` are those of the table and of a row.
     pub fn new(names: [&'static str; 2], meaning: &'static str, columns: Columns<R>) -> Self {

@@ -105,6 +105,7 @@ mod prefix;
 mod process;
 mod reply;
 mod subscription;
+mod tie;
 mod typed;
 mod value;
 mod variables;
@@ -123,6 +124,8 @@ pub use prefix::Prefix;
 pub use process::SumoProcess;
 pub use reply::{Blocks, Index, Refusal, Reply};
 pub use subscription::{Block, Entries, Subscribed, Values, Variables};
+#[cfg(feature = "sim")]
+pub(crate) use tie::{Tie, tied};
 pub use typed::{Distance, Domain, FromValue, Never, Nothing, OnRoad, RoadPosition, Shape, Var};
 pub use value::{Color, Compound, Doubles, Layout, Polygon, Texts, Value};
 pub use variables::{Row, TABLE, edge, junction, lane, route, simulation, trafficlight, vehicle, vehicletype};

@@ -30,6 +30,8 @@ pub enum Command {
     Sweep(Box<SweepArgs>),
     /// Make one HTML page of a result folder of run, compare or sweep, or of two side by side
     Report(ReportArgs),
+    /// Make tables of what a run has left that was killed
+    Recover(RecoverArgs),
     /// Check a scenario and print it resolved, in SI units, as TOML
     Check(Box<CheckArgs>),
     /// Reproduce the experiments of the paper, without SUMO: figures, tables and one page
@@ -283,6 +285,14 @@ impl ReportArgs {
     pub fn request(self) -> report::Request {
         report::Request { dirs: self.dirs, out: self.out, vehicle: self.vehicle }
     }
+}
+
+/// `recover`.
+#[derive(Debug, Args)]
+pub struct RecoverArgs {
+    /// The folders of the runs
+    #[arg(required = true, value_name = "DIR", num_args = 1..)]
+    pub dirs: Vec<PathBuf>,
 }
 
 /// `check`.

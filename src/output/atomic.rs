@@ -22,10 +22,14 @@ impl PartFile {
     /// # Errors
     /// [`OutputError::File`] naming the folder or file that could not be made.
     pub fn create(path: &Path) -> Result<Self, OutputError> {
+        Self::create_as(path, part_of(path))
+    }
+
+    /// The same with another name until then.
+    pub(super) fn create_as(path: &Path, part: PathBuf) -> Result<Self, OutputError> {
         if let Some(folder) = path.parent().filter(|p| !p.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder).map_err(file_error("create", folder))?;
         }
-        let part = part_of(path);
         let file = File::create(&part).map_err(file_error("create", &part))?;
         Ok(Self { path: path.to_owned(), part, writer: BufWriter::new(file) })
     }

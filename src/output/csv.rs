@@ -4,31 +4,55 @@ use super::atomic::PartFile;
 use super::sink::Sink;
 use super::text::append;
 use crate::table::{Cell, Shape};
-use std::io;
+use std::io::{self, Write};
 
-struct CsvSink {
-    writer: csv::Writer<PartFile>,
-    text: String,
-}
+struct CsvSink(csv::Writer<PartFile>);
 
 /// Writes the header.
 pub(super) fn open(file: PartFile, shape: &Shape) -> io::Result<Box<dyn Sink>> {
-    let mut writer = csv::WriterBuilder::new().terminator(csv::Terminator::Any(b'\n')).from_writer(file);
-    writer.write_record(shape.columns.iter().map(|column| &column.name))?;
-    Ok(Box::new(CsvSink { writer, text: String::new() }))
+    let mut writer = writer(file);
+    writer.write_record(names(shape))?;
+    Ok(Box::new(CsvSink(writer)))
 }
 
 impl Sink for CsvSink {
     fn row(&mut self, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
-        for cell in cells {
-            self.text.clear();
-            append(&mut self.text, cell);
-            self.writer.write_field(&self.text)?;
-        }
-        Ok(self.writer.write_record(None::<&[u8]>)?)
+        write_row(&mut self.0, cells)
     }
 
     fn end(self: Box<Self>) -> io::Result<PartFile> {
-        self.writer.into_inner().map_err(csv::IntoInnerError::into_error)
+        self.0.into_inner().map_err(csv::IntoInnerError::into_error)
     }
+}
+
+/// The header alone.
+pub(super) fn header(shape: &Shape) -> io::Result<Vec<u8>> {
+    let mut writer = writer(Vec::new());
+    writer.write_record(names(shape))?;
+    writer.into_inner().map_err(csv::IntoInnerError::into_error)
+}
+
+/// A row alone.
+pub(super) fn line(cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<Vec<u8>> {
+    let mut writer = writer(Vec::new());
+    write_row(&mut writer, cells)?;
+    writer.into_inner().map_err(csv::IntoInnerError::into_error)
+}
+
+fn writer<W: Write>(to: W) -> csv::Writer<W> {
+    csv::WriterBuilder::new().terminator(csv::Terminator::Any(b'\n')).from_writer(to)
+}
+
+fn names(shape: &Shape) -> impl Iterator<Item = &String> {
+    shape.columns.iter().map(|column| &column.name)
+}
+
+fn write_row<W: Write>(writer: &mut csv::Writer<W>, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {
+    let mut text = String::new();
+    for cell in cells {
+        text.clear();
+        append(&mut text, cell);
+        writer.write_field(&text)?;
+    }
+    Ok(writer.write_record(None::<&[u8]>)?)
 }

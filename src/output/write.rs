@@ -37,12 +37,15 @@ impl<'l, R> Table<'l, R> {
     /// # Errors
     /// [`OutputError::Format`] if no format has this suffix, [`OutputError::File`] if the file cannot be made.
     pub fn create(path: &Path, layout: &'l Layout<R>) -> Result<Self, OutputError> {
-        let suffix = path.extension().unwrap_or_default().to_string_lossy();
-        let format = registry::find("table format", FORMATS, &suffix)
-            .map_err(|source| OutputError::Format { path: path.to_owned(), source })?;
-        let file = PartFile::create(path)?;
-        let sink = (format.build)(file, &layout.shape).map_err(file_error("write", path))?;
-        Ok(Self { layout, path: path.to_owned(), sink })
+        format_of(path)?;
+        Self::open(PartFile::create(path)?, layout)
+    }
+
+    /// Starts the table in a file.
+    pub(super) fn open(file: PartFile, layout: &'l Layout<R>) -> Result<Self, OutputError> {
+        let path = file.path().to_owned();
+        let sink = (format_of(&path)?)(file, &layout.shape).map_err(file_error("write", &path))?;
+        Ok(Self { layout, path, sink })
     }
 
     /// Appends a row.
@@ -60,6 +63,12 @@ impl<'l, R> Table<'l, R> {
     pub fn finish(self) -> Result<PathBuf, OutputError> {
         self.sink.end().map_err(file_error("write", &self.path))?.finish()
     }
+}
+
+fn format_of(path: &Path) -> Result<OpenSink, OutputError> {
+    let suffix = path.extension().unwrap_or_default().to_string_lossy();
+    let format = registry::find("table format", FORMATS, &suffix);
+    format.map(|format| format.build).map_err(|source| OutputError::Format { path: path.to_owned(), source })
 }
 
 /// Writes a whole table.

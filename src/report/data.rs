@@ -2,7 +2,7 @@
 
 use super::error::ReportError;
 use super::table::{SchemaInfo, Table};
-use crate::output::file_error;
+use crate::output::{file_error, part_of};
 use crate::run::{Input, MANIFEST, Manifest, Summary};
 use crate::sumo_files::{Incident, NetworkRoad, incidents, is_network, network_roads};
 use serde::de::DeserializeOwned;
@@ -52,7 +52,12 @@ impl RunData {
         let mut table = |name: &str, needed: bool| -> Result<Option<Table>, ReportError> {
             let path = dir.join(name);
             if !path.is_file() {
-                if needed {
+                if needed && part_of(&path).is_file() {
+                    missing.push(format!(
+                        "{name} is not whole: sumo-mfc recover {} makes a table of {name}.part.",
+                        dir.display()
+                    ));
+                } else if needed {
                     missing.push(format!("{name} is not in the folder: what is made from it is left out."));
                 }
                 return Ok(None);

@@ -41,6 +41,14 @@ pub enum RunError {
         /// What is not as it was.
         what: String,
     },
+    /// There is nothing to recover.
+    #[error("{}: nothing to recover: {why}", .dir.display())]
+    NothingToRecover {
+        /// The folder.
+        dir: PathBuf,
+        /// Why.
+        why: String,
+    },
     /// Another run writes to the same folder at this moment.
     #[error("another run is writing to {}", .dir.display())]
     Busy {
@@ -75,12 +83,12 @@ pub enum RunError {
     #[error("the session has ended")]
     Ended,
     /// A run that broke off; what was computed is in the folder.
-    #[error("{source}; the run broke off at {time_s} s, and what was computed until then is in {}, marked incomplete", .dir.display())]
+    #[error("{source}; the run broke off at {time_s} s, {kept}")]
     Broken {
         /// Simulation time \[s\].
         time_s: f64,
-        /// The folder.
-        dir: PathBuf,
+        /// What of it is kept, and where, in words.
+        kept: String,
         /// What happened.
         source: Box<RunError>,
     },

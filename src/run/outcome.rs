@@ -85,18 +85,8 @@ impl Outcome {
         let refused = counters.refused.len() as u64;
         let counts = [counters.unequipped, counters.others.values().sum(), refused, counters.crept];
         let driven: BTreeSet<usize> = records.finished.iter().map(|record| record.group).collect();
-        let qualities: Vec<_> = records.finished.iter().map(|record| (record.quality, record.string_gain)).collect();
-        let rows: Vec<_> =
-            records.finished.into_iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
-        let quality = rows.iter().zip(qualities);
-        let quality = quality
-            .map(|(row, (quality, string_gain))| QualityRow {
-                id: row.id.clone(),
-                depart: row.depart,
-                quality,
-                string_gain,
-            })
-            .collect();
+        let rows: Vec<_> = records.finished.iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
+        let quality = records.finished.iter().zip(&rows).map(|(record, row)| quality_row(record, row)).collect();
         notes.extend(unmatched(scenario, &driven, &rows));
         Self { rows, quality, edges, totals, counts, notes, failed: broken.map(RunError::Outputs).or(nobody) }
     }
@@ -115,8 +105,19 @@ fn take_own_time_losses(finished: &[Finished], trips: &mut Trips) {
     }
 }
 
+/// The drive quality of an ego, beside its row.
+pub(super) fn quality_row(record: &Finished, row: &VehicleRow) -> QualityRow {
+    let (id, depart) = (row.id.clone(), row.depart);
+    QualityRow { id, depart, quality: record.quality, string_gain: record.string_gain }
+}
+
+/// The row of an ego as far as it is known while SUMO runs.
+pub(super) fn first_row(record: &Finished, scenario: &Scenario, time_s: f64) -> VehicleRow {
+    row(record, &mut Trips::default(), scenario, time_s)
+}
+
 /// The row of an ego. An id that was used twice takes its trips one after the other.
-fn row(record: Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) -> VehicleRow {
+fn row(record: &Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) -> VehicleRow {
     let trip = trips.by_id.get_mut(&*record.id).and_then(|trips| trips.pop_front());
     let group = &scenario.groups[record.group];
     let depart = milliseconds(trip.as_ref().map_or(record.depart_s, |t| t.depart_s));
@@ -131,7 +132,7 @@ fn row(record: Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) -> 
     let arrival = ended.filter(|_| reason != Reason::Removed && reason != Reason::Collided).map(milliseconds);
     VehicleRow {
         id: record.id.to_string(),
-        vehicle_type: record.type_id.into(),
+        vehicle_type: record.type_id.as_str().into(),
         controller: group.controller.name(),
         target: group.target.name(),
         depart,
@@ -139,7 +140,7 @@ fn row(record: Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) -> 
         duration: Some(milliseconds(ended.unwrap_or(end_s) - depart)),
         timeloss: trip.map(|t| t.time_loss_s).or(record.time_loss_s),
         distance: Some(record.distance_m),
-        stats: record.stats,
+        stats: record.stats.clone(),
         odometer_gap: record.odometer_gap_m,
         collisions: u64::from(record.collisions),
         reason,

@@ -1,21 +1,28 @@
-//! What is written while the run goes on (trace, sample) and at its end (vehicles, edges).
+//! What is written while the run goes on (trace, sample, rows of vehicles that have left) and at its end (all vehicles,
+//! edges).
 
 use super::error::RunError;
-use super::outcome::Outcome;
+use super::outcome::{Outcome, first_row, quality_row};
 use super::result_dir::{ResultDir, SCHEMA};
-use super::rows::{EDGES, PlaceColumns, QUALITY, SampleRow, TRACE, TraceRow, VEHICLES, sort_by_departure};
+use super::rows::{
+    EDGES, PlaceColumns, QUALITY, QualityRow, SampleRow, TRACE, TraceRow, VEHICLES, VehicleRow, sort_by_departure,
+};
 use super::sampler::{SAMPLED, Sampler};
 use super::schema::Schema;
 use crate::cosim::{Ego, Place, World};
 use crate::fleet::Snapshot;
 use crate::fleet::block::Block;
-use crate::output::{OutputError, Table, write_table};
+use crate::output::{Journal, OutputError, Table, write_table};
 use crate::scenario::{Scenario, Trace, TraceRows};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Open files.
 pub struct Recorder {
+    vehicles: Journal<VehicleRow>,
+    quality: Option<Journal<QualityRow>>,
+    /// The records that are in the journals.
+    noted: usize,
     trace: Option<Table<'static, TraceRow>>,
     sampler: Sampler,
     sample_every: u64,
@@ -33,13 +40,16 @@ impl Recorder {
         };
         let trace_file = trace.is_some().then_some(output.trace_file.as_str());
         dir.write(SCHEMA, &Schema::of_run(&output.vehicles, output.quality, trace_file))?;
+        let vehicles = Journal::create(&dir.file(&output.vehicles), &VEHICLES)?;
+        let quality = output.quality.then(|| Journal::create(&dir.file("quality.csv"), &QUALITY)).transpose()?;
         let sampler = Sampler::create(&dir.file("sample.csv"), scenario.sumo.seed, SAMPLED)?;
-        Ok(Self { trace, sampler, sample_every: steps(1.0), step: 0 })
+        Ok(Self { vehicles, quality, noted: 0, trace, sampler, sample_every: steps(1.0), step: 0 })
     }
 
     /// Takes down the step that was just made.
-    pub async fn step(&mut self, world: &mut World) -> Result<(), RunError> {
+    pub async fn step(&mut self, world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
         self.step += 1;
+        self.note_finished(world, scenario)?;
         for id in world.take_admitted() {
             self.sampler.depart(&id);
         }
@@ -62,6 +72,22 @@ impl Recorder {
         Ok(())
     }
 
+    /// Rows of vehicles that have left in this step: whatever happens now, they are kept.
+    fn note_finished(&mut self, world: &World, scenario: &Scenario) -> Result<(), RunError> {
+        let finished = &world.records().finished;
+        let new = finished.get(self.noted..).unwrap_or_default();
+        self.noted = finished.len();
+        if new.is_empty() {
+            return Ok(());
+        }
+        let rows: Vec<_> = new.iter().map(|record| first_row(record, scenario, world.time_s())).collect();
+        self.vehicles.append(&rows)?;
+        if let Some(quality) = &mut self.quality {
+            quality.append(&new.iter().zip(&rows).map(|(record, row)| quality_row(record, row)).collect::<Vec<_>>())?;
+        }
+        Ok(())
+    }
+
     /// The places of the egos that get a row now.
     async fn places(&self, world: &mut World, samples: bool) -> Result<HashMap<Arc<str>, Place>, RunError> {
         let (who, rows) = world.trace().clone();
@@ -74,18 +100,25 @@ impl Recorder {
     }
 
     /// Completes all tables that can be completed; the first error is the one to tell.
-    pub fn finish(self, dir: &ResultDir, scenario: &Scenario, outcome: &mut Outcome) -> Result<(), RunError> {
+    pub fn finish(self, dir: &ResultDir, outcome: &mut Outcome) -> Result<(), RunError> {
         sort_by_departure(&mut outcome.rows, |row| (row.depart, &row.id));
         sort_by_departure(&mut outcome.quality, |row| (row.depart, &row.id));
-        let vehicles = write_table(&dir.file(&scenario.output.vehicles), &VEHICLES, &outcome.rows);
-        let quality = match scenario.output.quality {
-            true => write_table(&dir.file("quality.csv"), &QUALITY, &outcome.quality).map(drop),
-            false => Ok(()),
+        let Self { vehicles, quality, trace, sampler, .. } = self;
+        let whole = || {
+            vehicles.finish(&outcome.rows)?;
+            quality.as_ref().map_or(Ok(()), |quality| quality.finish(&outcome.quality).map(drop))
+        };
+        let (whole, sample) = match whole() {
+            Ok(()) => (Ok(()), sampler.finish().map(drop)),
+            // Where the disk is full, what the sampler holds of it is better used for these.
+            Err(error) => {
+                drop(sampler);
+                (whole().map_err(|_| error), Ok(()))
+            }
         };
         let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges);
-        let trace = self.trace.map_or(Ok(()), |trace| trace.finish().map(drop));
-        let sample = self.sampler.finish().map(drop);
-        vehicles.map(drop).and(quality).and(edges.map(drop)).and(trace).and(sample)?;
+        let trace = trace.map_or(Ok(()), |trace| trace.finish().map(drop));
+        whole.and(edges.map(drop)).and(trace).and(sample)?;
         Ok(())
     }
 }

@@ -10,7 +10,7 @@ use super::rows::{QualityRow, VehicleRow};
 use super::signals::Signal;
 use super::summary::Summary;
 use crate::cosim::Records;
-use crate::output::OutputError;
+use crate::output::{OutputError, part_of};
 use crate::scenario::Scenario;
 use crate::sumo_files::{SumoCommand, sumo_arguments};
 use std::path::{Path, PathBuf};
@@ -109,12 +109,32 @@ impl ResultWriter {
 
     /// Writes what was computed until `source` happened, and says so.
     pub fn break_off(&mut self, records: Records, times_s: [f64; 2], source: RunError) -> RunError {
-        // A disk that is full for one file may be full for others; the first error is the one to tell.
-        let _ = self.write(records, times_s, Some(source.to_string()));
-        if let RunError::Interrupted(_) = source {
+        let written = self.write(records, times_s, Some(source.to_string()));
+        if let (RunError::Interrupted(_), Ok(_)) = (&source, &written) {
             return source;
         }
-        RunError::Broken { time_s: times_s[1], dir: self.dir.path().to_owned(), source: Box::new(source) }
+        let (time_s, dir) = (times_s[1], self.dir.path().to_owned());
+        // A disk that is full for one file may be full for others.
+        let kept = match written {
+            Ok(_) => format!("what was computed until then is in {}, marked incomplete", dir.display()),
+            Err(error) => self.left(&error),
+        };
+        RunError::Broken { time_s, kept, source: Box::new(source) }
+    }
+
+    /// What there is after an error in writing the tables.
+    fn left(&self, error: &RunError) -> String {
+        let (dir, vehicles) = (self.dir.path(), self.dir.file(&self.scenario.output.vehicles));
+        let tables = match (vehicles.is_file(), part_of(&vehicles).is_file()) {
+            (true, _) => format!("{} has all its rows", vehicles.display()),
+            (false, true) => format!(
+                "the vehicles that had left by then are in {}; when there is room, sumo-mfc recover {} makes a table of them",
+                part_of(&vehicles).display(),
+                dir.display()
+            ),
+            (false, false) => "no row could be kept".to_owned(),
+        };
+        format!("then {error}: {tables}")
     }
 
     /// Writes tables, summary and manifest of a run from one time to another. If that fails, the manifest says so as
@@ -143,7 +163,7 @@ impl ResultWriter {
         self.manifest.notes.extend(self.notes.iter().cloned());
         let times_s = [time_s - begin_s, self.started.elapsed().as_secs_f64()];
         let summary = Summary::new((&outcome.rows, &outcome.quality), outcome.counts, outcome.totals, times_s);
-        let tables = recorder.finish(&self.dir, &self.scenario, &mut outcome);
+        let tables = recorder.finish(&self.dir, &mut outcome);
         self.dir.write(SUMMARY, &summary)?;
         tables?;
         if let (None, Some(failed)) = (&incomplete, outcome.failed) {

@@ -2,7 +2,7 @@
 
 use super::error::RunError;
 use super::manifest::{Manifest, Status};
-use crate::output::{FORMATS, OutputError, file_error, part_of, write_json};
+use crate::output::{FORMATS, OutputError, file_error, part_of, whole_of, write_json};
 use serde::Serialize;
 use std::fs::{File, TryLockError};
 use std::path::{Component, Path, PathBuf};
@@ -45,6 +45,14 @@ impl ResultDir {
         File::create(&probe).map_err(file_error("create", &probe))?;
         std::fs::remove_file(&probe).map_err(file_error("remove", &probe))?;
         Ok(dir)
+    }
+
+    /// The folder of a run that has ended, as it is.
+    ///
+    /// # Errors
+    /// [`RunError::Busy`] if it has not.
+    pub fn open(path: &Path) -> Result<Self, RunError> {
+        Ok(Self { path: path.to_owned(), _lock: lock(path)? })
     }
 
     /// The folder.
@@ -147,7 +155,7 @@ impl ResultDir {
         let pages = self.pages()?;
         for name in own_names().chain(listed.cloned()).chain(pages) {
             let path = self.file(&name);
-            for stale in [part_of(&path), path] {
+            for stale in [part_of(&path), whole_of(&path), path] {
                 if stale.is_file() || stale.is_symlink() {
                     std::fs::remove_file(&stale).map_err(file_error("remove", &stale))?;
                 }

@@ -107,7 +107,7 @@ impl Session {
     /// [`RunError::Broken`] if SUMO or the disk fails; [`RunError::Ended`] after that.
     pub async fn step(&mut self) -> Result<(), RunError> {
         let Some(recorder) = &mut self.result.recorder else { return Err(RunError::Ended) };
-        match step(&mut self.world, recorder, &mut self.profiler).await {
+        match step(&mut self.world, (recorder, &self.result.scenario), &mut self.profiler).await {
             Ok(()) => Ok(()),
             Err(error) => {
                 let error = explain(error, &mut self.process).await;
@@ -225,11 +225,15 @@ impl Session {
 }
 
 /// One SUMO step, written down.
-async fn step(world: &mut World, recorder: &mut Recorder, profiler: &mut Profiler) -> Result<(), RunError> {
+async fn step(
+    world: &mut World,
+    (recorder, scenario): (&mut Recorder, &Scenario),
+    profiler: &mut Profiler,
+) -> Result<(), RunError> {
     profiler.start();
     world.step().await?;
     profiler.stepped(world);
-    recorder.step(world).await?;
+    recorder.step(world, scenario).await?;
     profiler.written();
     Ok(())
 }

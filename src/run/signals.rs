@@ -8,6 +8,9 @@ use tokio::signal::unix::{SignalKind, signal};
 /// How long a step that is under way may take after a signal; SUMO may be waiting for another client.
 const LAST_STEP: Duration = Duration::from_secs(3);
 
+/// SIGXFSZ.
+const FILE_TOO_LARGE: i32 = 25;
+
 /// A signal that ended a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Signal {
@@ -70,6 +73,8 @@ impl Signals {
                 }
             });
         }
+        // A file that grows beyond its limit is an error in writing it, not the end of this program.
+        let _ = signal(SignalKind::from_raw(FILE_TOO_LARGE))?;
         if tied {
             let note = raised.clone();
             // A thread, because tokio's runtime waits for its own reader of standard input when it ends.

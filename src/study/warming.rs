@@ -7,11 +7,11 @@ use super::work::Ended;
 use crate::output::file_error;
 use crate::run::Signals;
 use crate::sumo_files::{SumoSetup, saving, sumo_arguments};
+use crate::traci::{Tie, tied};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Stdio;
 use std::time::Instant;
-use tokio::process::Command;
 use tokio::task::JoinSet;
 
 /// The warm-ups of these cases that are not there.
@@ -72,11 +72,13 @@ async fn simulate(sumo: PathBuf, warm_up: WarmUp) -> Result<u64, StudyError> {
     let end = setup.end_s.unwrap_or(until_s).to_string();
     let mut arguments = sumo_arguments(&SumoSetup { options, ..setup }, folder.path())?.arguments;
     arguments.extend(["--end".to_owned(), end]);
-    let mut command = Command::new(sumo);
-    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).kill_on_drop(true);
+    let (tie, theirs) = Tie::new()?;
+    let mut command = tied(&sumo, theirs);
+    command.args(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).kill_on_drop(true);
     #[cfg(unix)]
     command.process_group(0);
     let output = command.output().await?;
+    tie.release();
     if !output.status.success() || !part.is_file() {
         let said = String::from_utf8_lossy(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
         return Err(StudyError::WarmUp { seed, what: format!("{}: {said}", output.status) });

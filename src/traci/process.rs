@@ -4,15 +4,16 @@ use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
-use std::process::{ExitStatus, Stdio};
+use std::process::ExitStatus;
 use std::time::Duration;
 
-use tokio::process::{Child, Command};
+use tokio::process::Child;
 use tokio::time::{Instant, timeout};
 
 use super::client::Client;
 use super::error::Error;
 use super::find::SumoBinary;
+use super::tie::{Tie, tied};
 
 /// How long a SUMO whose connection broke may take until its exit code is there.
 const LAST_WORDS: Duration = Duration::from_secs(2);
@@ -22,10 +23,11 @@ const REPORT_BYTES: u64 = 16_384;
 /// How often a free port may be snatched away before we give up.
 const PORT_ATTEMPTS: usize = 5;
 
-/// A SUMO that we started. Dropping it kills it; better is [`SumoProcess::shut_down`].
+/// A SUMO that we started. Dropping it kills it, and so does the end of this program; better is [`SumoProcess::shut_down`].
 #[derive(Debug)]
 pub struct SumoProcess {
     child: Child,
+    tie: Tie,
     port: u16,
     log: PathBuf,
     again: Option<SpawnOptions>,
@@ -59,9 +61,9 @@ impl SumoProcess {
                 (free_port().map_err(|source| Error::Start { path: binary.path.clone(), source })?, Some(again))
             }
         };
-        let child = start(binary, args, port, &log)?;
+        let (child, tie) = start(binary, args, port, &log)?;
         tracing::debug!(binary = %binary.path.display(), port, "started SUMO");
-        Ok(Self { child, port, log, again })
+        Ok(Self { child, tie, port, log, again })
     }
 
     /// The port it listens on.
@@ -123,7 +125,9 @@ impl SumoProcess {
         };
         options.attempts -= 1;
         self.port = free_port().map_err(|source| Error::Start { path: options.binary.path.clone(), source })?;
-        self.child = start(&options.binary, &options.args, self.port, &self.log)?;
+        let (child, tie) = start(&options.binary, &options.args, self.port, &self.log)?;
+        self.child = child;
+        std::mem::replace(&mut self.tie, tie).release();
         Ok(true)
     }
 
@@ -141,6 +145,7 @@ impl SumoProcess {
     /// Waits up to `grace` for SUMO to end because all its clients have left, and otherwise leaves it to those that have not.
     pub async fn leave(mut self, grace: Duration) -> Option<ExitStatus> {
         let ended = timeout(grace, self.child.wait()).await.ok().and_then(Result::ok);
+        self.tie.release();
         if ended.is_none() {
             // What is dropped is killed.
             std::mem::forget(self.child);
@@ -164,29 +169,39 @@ impl SumoProcess {
     /// # Errors
     /// [`Error::Died`] if it could not be waited for.
     pub async fn shut_down(mut self, grace: Duration) -> Result<ExitStatus, Error> {
-        if let Ok(status) = timeout(grace, self.child.wait()).await {
-            return status.map_err(|_| self.died(None));
-        }
-        tracing::warn!("SUMO does not end by itself; killing it");
-        self.child.kill().await.map_err(|_| self.died(None))?;
-        self.child.wait().await.map_err(|_| self.died(None))
+        let by_itself = timeout(grace, self.child.wait()).await;
+        let ended = match by_itself {
+            Ok(ended) => ended,
+            Err(_) => {
+                tracing::warn!("SUMO does not end by itself; killing it");
+                match self.child.kill().await {
+                    Ok(()) => self.child.wait().await,
+                    Err(error) => Err(error),
+                }
+            }
+        };
+        let ended = ended.map_err(|_| self.died(None));
+        self.tie.release();
+        ended
     }
 }
 
-fn start(binary: &SumoBinary, args: &[String], port: u16, log: &Path) -> Result<Child, Error> {
+fn start(binary: &SumoBinary, args: &[String], port: u16, log: &Path) -> Result<(Child, Tie), Error> {
     let log_error = |source| Error::Start { path: log.to_path_buf(), source };
     let out = File::create(log).and_then(|_| OpenOptions::new().append(true).open(log)).map_err(log_error)?;
     let err = out.try_clone().map_err(log_error)?;
-    let mut command = Command::new(&binary.path);
+    let failed = |source| Error::Start { path: binary.path.clone(), source };
+    let (tie, theirs) = Tie::new().map_err(failed)?;
+    let mut command = tied(&binary.path, theirs);
     command.args(args).arg("--remote-port").arg(port.to_string());
     if let Some(home) = &binary.home {
         command.env("SUMO_HOME", home);
     }
-    command.stdin(Stdio::null()).stdout(out).stderr(err).kill_on_drop(true);
+    command.stdout(out).stderr(err).kill_on_drop(true);
     // A terminal's Ctrl-C must reach us only: SUMO is ended in order, with its outputs complete.
     #[cfg(unix)]
     command.process_group(0);
-    command.spawn().map_err(|source| Error::Start { path: binary.path.clone(), source })
+    command.spawn().map(|child| (child, tie)).map_err(failed)
 }
 
 /// A port that is free at this moment.
@@ -249,9 +264,9 @@ mod tests {
         let log = root.path().join("console.log");
         let net = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/traci/grid.net.xml");
         let args = vec!["-n".to_owned(), net.display().to_string()];
-        let child = start(&binary, &args, port, &log).unwrap();
+        let (child, tie) = start(&binary, &args, port, &log).unwrap();
         let mut process =
-            SumoProcess { child, port, log, again: Some(SpawnOptions { binary, args, attempts: PORT_ATTEMPTS }) };
+            SumoProcess { child, tie, port, log, again: Some(SpawnOptions { binary, args, attempts: PORT_ATTEMPTS }) };
         let limit = Duration::from_secs(20);
         let client = process.connect(limit).await.unwrap();
         assert_ne!(process.port(), port);

@@ -1,8 +1,8 @@
 //! What goes wrong around a run: the message says what, nothing that was computed is lost, no SUMO stays behind.
 
 use crate::support::{
-    CAR, NEW, OLD, Running, TOO_OLD, children, configuration, json, own, refusal, repository, run, run_command, stays,
-    straight_road, table,
+    CAR, NEW, OLD, Running, TOO_OLD, children, configuration, json, number, own, program, refusal, repository, run,
+    run_command, stays, straight_road, table,
 };
 use std::fs;
 use std::net::TcpListener;
@@ -199,7 +199,7 @@ fn a_full_disk_is_reported_and_the_rest_is_kept() {
     let dir = folder.path().join("result");
     let inner = run_command(NEW, &own("city"), &dir, &["--trace", "all", "--end", "200"]);
     let mut command = Command::new("bash");
-    command.arg("-c").arg("trap '' XFSZ; ulimit -f 2000; exec \"$@\"").arg("bash").arg(inner.get_program());
+    command.arg("-c").arg("ulimit -f 2000; exec \"$@\"").arg("bash").arg(inner.get_program());
     command.args(inner.get_args()).envs(inner.get_envs().filter_map(|(key, value)| Some((key, value?))));
     let ended = Running::start(command).wait();
     assert_eq!(ended.code, Some(1), "{}", ended.stderr);
@@ -209,4 +209,158 @@ fn a_full_disk_is_reported_and_the_rest_is_kept() {
     assert!(manifest["reason"].as_str().unwrap().contains("trace.csv"), "{manifest}");
     assert!(table(&dir.join("vehicles.csv")).len() > 3);
     assert!(!dir.join("trace.csv").exists(), "a file with its name is whole");
+}
+
+/// Waits until so many vehicles have left.
+fn until_rows(run: &mut Running, dir: &Path, rows: usize) {
+    let deadline = Instant::now() + Duration::from_secs(60);
+    let lines = || fs::read_to_string(dir.join("vehicles.csv.part")).map_or(0, |text| text.lines().count());
+    while lines() <= rows {
+        assert!(Instant::now() < deadline && run.child.try_wait().unwrap().is_none(), "the run does not get under way");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Columns that come from SUMO's own files at the end of a run.
+const FROM_THE_END: [&str; 3] = ["arrival", "duration", "timeloss"];
+
+/// Nothing can be done at SIGKILL; what was on disk by then is there, and becomes tables.
+#[test]
+fn rows_of_vehicles_that_have_left_survive_a_kill() {
+    let whole = run(NEW, &own("city"), &["--end", "300"]);
+    for name in ["vehicles.csv", "cars.parquet"] {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("result");
+        let args = ["--end", "300", "--quiet", "--trace", "all", "--vehicles-output", name];
+        let mut run = Running::start(run_command(NEW, &own("city"), &dir, &args));
+        let deadline = Instant::now() + Duration::from_secs(60);
+        let part = dir.join(format!("{name}.part"));
+        while fs::read_to_string(&part).map_or(0, |text| text.lines().count()) < 20 {
+            assert!(Instant::now() < deadline, "no vehicle leaves");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        let recover = || {
+            let mut command = program(NEW);
+            command.arg("recover").arg(&dir);
+            Running::start(command).wait()
+        };
+        let busy = recover();
+        assert!(busy.code == Some(1) && busy.stderr.contains("another run is writing"), "{}", busy.stderr);
+        run.child.kill().unwrap();
+        run.child.wait().unwrap();
+        let noted = fs::read_to_string(&part).unwrap();
+        let ended = recover();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        assert!(ended.stdout.contains(&format!("{name} (")), "{}", ended.stdout);
+        assert!(ended.stderr.contains("lost: edges.csv, sample.csv, summary.json"), "{}", ended.stderr);
+        let manifest = json(&dir.join("run.json"));
+        assert_eq!(manifest["status"], "incomplete");
+        assert!(manifest["reason"].as_str().unwrap().contains("recovered"), "{manifest}");
+        assert!(manifest["files"].as_array().unwrap().iter().any(|file| file == "quality.csv"));
+        assert!(table(&dir.join("trace.csv")).len() > 1000);
+        let again = recover();
+        assert!(again.code == Some(1) && again.stderr.contains("nothing to recover"), "{}", again.stderr);
+        assert!(!part.exists());
+        if name.ends_with(".parquet") {
+            assert!(fs::read(dir.join(name)).unwrap().starts_with(b"PAR1"));
+            continue;
+        }
+        // The rows are those of the whole run, but for what only its end knows.
+        let rows = table(&dir.join(name));
+        assert_eq!(rows.len(), noted.lines().count() - 1);
+        assert!(rows.is_sorted_by_key(|row| number(row, "depart")));
+        for row in &rows {
+            let theirs = whole.vehicles().into_iter().find(|other| other["id"] == row["id"]).unwrap();
+            for (column, value) in row.iter().filter(|(column, _)| !FROM_THE_END.contains(&column.as_str())) {
+                assert_eq!(*value, theirs[column], "{column} of {}", row["id"]);
+            }
+        }
+        assert_eq!(table(&dir.join("quality.csv")).len(), rows.len());
+    }
+}
+
+/// Somebody cleans up too early.
+#[test]
+fn a_folder_that_is_deleted_meanwhile_costs_no_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let dir = folder.path().join("result");
+    let mut run = Running::start(run_command(NEW, &own("city"), &dir, &["--end", "300"]));
+    until_rows(&mut run, &dir, 5);
+    fs::remove_dir_all(&dir).unwrap();
+    let ended = run.wait();
+    assert!(table(&dir.join("vehicles.csv")).len() > 50, "{}", ended.stderr);
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert!(ended.stderr.contains("time losses are missing"), "{}", ended.stderr);
+}
+
+/// A small file system of its own, as root; it goes with this value.
+struct SmallDisk(tempfile::TempDir);
+
+impl SmallDisk {
+    fn new(kilobytes: u32) -> Option<Self> {
+        let folder = tempfile::tempdir().unwrap();
+        let size = format!("size={kilobytes}k");
+        let mut mount = Command::new("mount");
+        mount.args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(folder.path());
+        mount.status().is_ok_and(|status| status.success()).then_some(Self(folder))
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("-l").arg(self.0.path()).status();
+    }
+}
+
+/// Wherever the disk is full first: rows of vehicles that had left are there, in the table or in its `.part`.
+#[test]
+fn a_full_disk_costs_no_row_that_was_known() {
+    for kilobytes in [300, 500, 800, 1200] {
+        let Some(disk) = SmallDisk::new(kilobytes) else {
+            eprintln!("skipped: only root can make a small disk");
+            return;
+        };
+        let dir = disk.0.path().join("result");
+        let ended = Running::start(run_command(NEW, &own("city"), &dir, &["--quiet"])).wait();
+        assert_eq!(ended.code, Some(1), "{kilobytes} kB: {}", ended.stderr);
+        assert!(ended.stderr.contains("No space left"), "{kilobytes} kB: {}", ended.stderr);
+        let (whole, part) = (dir.join("vehicles.csv"), dir.join("vehicles.csv.part"));
+        let kept = if whole.is_file() { table(&whole) } else { table(&part) };
+        assert!(kept.len() > 5, "{kilobytes} kB: {} rows; {}", kept.len(), ended.stderr);
+        let said = ended.stderr.contains("vehicles.csv.part");
+        assert_eq!(said, !whole.is_file(), "{kilobytes} kB: {}", ended.stderr);
+    }
+}
+
+/// Processes whose command line names a folder, as SUMO's does.
+fn naming(folder: &Path) -> Vec<u32> {
+    let wanted = folder.to_str().unwrap();
+    let pids = fs::read_dir("/proc").unwrap().flatten().filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    let named = |pid: &u32| {
+        let line = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        String::from_utf8_lossy(&line).contains(wanted)
+    };
+    pids.filter(named).collect()
+}
+
+/// Nobody may end this program in order at SIGKILL: SUMO must notice by itself, whether it loads, waits or drives.
+#[test]
+fn whenever_the_program_is_killed_sumo_goes_too() {
+    let (mut loading, mut driving) = (0, 0);
+    for kill in 0..100_u64 {
+        let folder = tempfile::tempdir().unwrap();
+        // Every third one waits for another client for ever.
+        let clients = if kill % 3 == 0 { "2" } else { "1" };
+        let args = ["--num-clients", clients, "--quiet", "--no-report"];
+        let mut run = Running::start(run_command(NEW, &own("city"), &folder.path().join("result"), &args));
+        std::thread::sleep(Duration::from_millis(7 * (kill * 37 % 100)));
+        let sumo = children(run.child.id());
+        loading += usize::from(!sumo.is_empty());
+        driving += usize::from(folder.path().join("result/schema.json").exists());
+        run.child.kill().unwrap();
+        run.child.wait().unwrap();
+        let left: Vec<u32> = naming(folder.path()).into_iter().filter(|pid| stays(*pid)).collect();
+        assert!(left.is_empty(), "kill {kill}: {left:?} stay");
+    }
+    assert!(loading > 40 && driving > 10 && driving < loading, "{loading} of 100 with SUMO, {driving} under way");
 }

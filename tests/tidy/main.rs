@@ -40,8 +40,18 @@ const COMMON_GROUND: &[&str] =
     &["columns", "keys", "lanes", "place", "random", "registry", "stopwatch", "table", "trig"];
 
 /// Modules or files (path below src/ without `.rs`) that may name tokio.
-const MAY_USE_TOKIO: &[&str] =
-    &["traci/client", "traci/process", "cosim", "run", "doctor", "study/local", "study/warming", "cli", "main"];
+const MAY_USE_TOKIO: &[&str] = &[
+    "traci/client",
+    "traci/process",
+    "traci/tie",
+    "cosim",
+    "run",
+    "doctor",
+    "study/local",
+    "study/warming",
+    "cli",
+    "main",
+];
 
 /// Modules or files that may touch files and clocks.
 const MAY_TOUCH_FILES_AND_CLOCKS: &[&str] = &[

@@ -1,0 +1,96 @@
+//! The result of a run that was killed, or could not write its tables: what is left in `.part` becomes tables.
+
+use super::error::RunError;
+use super::manifest::{Manifest, Status};
+use super::result_dir::{MANIFEST, ResultDir, SUMMARY};
+use super::rows::{QUALITY, VEHICLES};
+use crate::output::{file_error, part_of, read_journal, whole_of, write_over};
+use crate::table::{Layout, Shape};
+use std::fs::OpenOptions;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use toml_edit::DocumentMut;
+
+/// Bytes in which the last line of a trace ends.
+const LAST_LINE: u64 = 1 << 16;
+
+/// What became of a result.
+#[derive(Debug)]
+pub struct Recovered {
+    /// The tables that are whole now, each with its number of rows, if they were counted.
+    pub tables: Vec<(String, Option<usize>)>,
+    /// What is not there.
+    pub lost: Vec<String>,
+}
+
+/// Makes tables of what a run has left in `dir`, and marks it incomplete. Rows are those of vehicles that had left the
+/// road, ordered as ever; what only the end of a run knows (time losses, SUMO's totals, roads, the sample) is lost.
+///
+/// # Errors
+/// [`RunError::NothingToRecover`] if the result is whole or nothing is left of one, [`RunError::Busy`] if its run goes on,
+/// or a file that cannot be read or written.
+pub fn recover(path: &Path) -> Result<Recovered, RunError> {
+    let mut manifest = Manifest::read(&path.join(MANIFEST))?;
+    let dir = ResultDir::open(path)?;
+    let nothing = |why: &str| RunError::NothingToRecover { dir: path.to_owned(), why: why.to_owned() };
+    if manifest.status == Status::Complete {
+        return Err(nothing("its result is whole"));
+    }
+    let named = |key: &str, default: &str| {
+        let scenario = manifest.scenario.parse::<DocumentMut>().ok();
+        let name = scenario.as_ref().and_then(|scenario| scenario.get("output")?.get(key)?.as_str());
+        name.unwrap_or(default).to_owned()
+    };
+    let (vehicles, trace) = (named("vehicles", "vehicles.csv"), named("trace_file", "trace.csv"));
+    let mut tables = Vec::new();
+    for (name, shape) in [(vehicles.as_str(), &VEHICLES.shape), ("quality.csv", &QUALITY.shape)] {
+        if part_of(&dir.file(name)).is_file() {
+            tables.push((name.to_owned(), Some(table(&dir.file(name), shape)?)));
+        }
+    }
+    let left = part_of(&dir.file(&trace));
+    if trace.ends_with(".csv") && left.is_file() {
+        cut_torn_line(&left).map_err(file_error("read", &left))?;
+        std::fs::rename(&left, dir.file(&trace)).map_err(file_error("rename", &left))?;
+        tables.push((trace.clone(), None));
+    }
+    if tables.is_empty() {
+        return Err(nothing("it holds no .part of a table"));
+    }
+    let wanted = [&vehicles, "quality.csv", "edges.csv", "sample.csv", SUMMARY];
+    let mut lost: Vec<String> =
+        wanted.into_iter().filter(|name| !dir.file(name).is_file()).map(str::to_owned).collect();
+    if left.is_file() {
+        lost.push(format!("{trace} (a part of such a file cannot be read)"));
+    }
+    let killed = || "the program ended without writing its result".to_owned();
+    let reason = manifest.reason.clone().unwrap_or_else(killed);
+    dir.finish(&mut manifest, Some(format!("{reason}; recovered")))?;
+    Ok(Recovered { tables, lost })
+}
+
+/// Makes the table of a journal, in the order of every such table. Returns the number of its rows.
+fn table(path: &PathBuf, shape: &Shape) -> Result<usize, RunError> {
+    let layout = Layout::of_texts(shape);
+    let mut rows = read_journal(path, shape)?;
+    let place = |name: &str| layout.place(name).expect("tables of vehicles have this column");
+    let (depart, id) = (place("depart"), place("id"));
+    rows.sort_by(|a, b| {
+        let time = |row: &Vec<String>| layout.cell(row, depart).number().unwrap_or(f64::INFINITY);
+        time(a).total_cmp(&time(b)).then_with(|| a[id].cmp(&b[id]))
+    });
+    write_over(path, &layout, &rows)?;
+    let _ = std::fs::remove_file(whole_of(path));
+    Ok(rows.len())
+}
+
+/// Cuts a file behind its last line break.
+fn cut_torn_line(path: &Path) -> std::io::Result<()> {
+    let mut file = OpenOptions::new().read(true).write(true).open(path)?;
+    let begin = file.metadata()?.len().saturating_sub(LAST_LINE);
+    file.seek(SeekFrom::Start(begin))?;
+    let mut end = Vec::new();
+    file.read_to_end(&mut end)?;
+    let whole = end.iter().rposition(|byte| *byte == b'\n').map_or(0, |place| place as u64 + 1);
+    file.set_len(begin + whole)
+}
