@@ -79,6 +79,7 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
         },
         threads: args.threads.map(usize::from),
         progress: !args.quiet && std::io::stderr().is_terminal(),
+        tell: (!args.quiet).then_some(|line| eprintln!("note: {line}")),
         tied: args.tied,
     };
     let result = match run::run(&scenario, &options) {

@@ -111,6 +111,9 @@ pub struct ScenarioArgs {
     /// Join a SUMO that already runs
     #[arg(long, value_name = "HOST:PORT")]
     connect: Option<String>,
+    /// Longest time that SUMO may take to load, and to answer (s)
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    timeout: Option<String>,
     /// Options passed on to SUMO
     #[arg(last = true, value_name = "SUMO-OPTIONS")]
     sumo_options: Vec<String>,
@@ -371,6 +374,7 @@ impl ScenarioArgs {
             ("--trace-period", "output.trace_period_s", &self.trace_period),
             ("--port", "sumo.port", &self.port),
             ("--num-clients", "sumo.num_clients", &self.num_clients),
+            ("--timeout", "sumo.timeout_s", &self.timeout),
         ];
         overrides.extend(numbers.iter().filter_map(|(flag, path, v)| Some(Override::literal(flag, path, v.as_ref()?))));
         if self.safety {

@@ -19,8 +19,6 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// How long SUMO may take to load, and to answer one message.
-const PATIENCE: Duration = Duration::from_secs(600);
 /// How long SUMO may take to complete its outputs.
 const LAST_OUTPUTS: Duration = Duration::from_secs(120);
 /// How long a SUMO with other clients may take to end, if they have left it too.
@@ -84,10 +82,13 @@ impl Session {
     ) -> Result<Self, RunError> {
         let mut result = ResultWriter::create(scenario, &options.out_dir, options.force)?;
         let mut process = None;
-        let reached = reach_sumo(options, &mut result, &mut process, stopped).await;
-        let prepared = match reached {
-            Ok(client) => prepare(client, &mut result).await,
-            Err(error) => Err(error),
+        let prepared = async {
+            let client = reach_sumo(options, &mut result, &mut process).await?;
+            prepare(client, &mut result).await
+        };
+        let prepared = tokio::select! {
+            prepared = prepared => prepared,
+            signal = stopped => Err(RunError::Interrupted(signal)),
         };
         match prepared {
             Ok((world, end_s)) => {
@@ -141,16 +142,21 @@ impl Session {
     /// [`RunError::Broken`] if SUMO or the disk fails; [`RunError::Ended`] if that has happened before.
     pub async fn finish(self) -> Result<RunResult, RunError> {
         match self.end() {
-            Some(_) => self.close(None).await,
+            Some(_) => self.close(None, std::future::pending()).await,
             None => {
                 let reason = format!("stopped at {} s, before its end", self.time_s());
-                self.close(Some(reason)).await
+                self.close(Some(reason), std::future::pending()).await
             }
         }
     }
 
-    /// As [`Session::finish`], with the reason if the result is incomplete.
-    pub(super) async fn close(mut self, incomplete: Option<String>) -> Result<RunResult, RunError> {
+    /// As [`Session::finish`], with the reason if the result is incomplete. Gives up on a SUMO that does not answer at a
+    /// signal.
+    pub(super) async fn close(
+        mut self,
+        incomplete: Option<String>,
+        stopped: impl Future<Output = Signal>,
+    ) -> Result<RunResult, RunError> {
         if self.result.recorder.is_none() {
             return Err(RunError::Ended);
         }
@@ -160,8 +166,12 @@ impl Session {
             ));
         }
         let profile = self.profiler.profile(&self.world);
-        if let Err(error) = self.world.hand_back().await {
-            let error = explain(error.into(), &mut self.process).await;
+        let handed_back = tokio::select! {
+            done = self.world.hand_back() => done.map_err(RunError::from),
+            signal = stopped => return Err(self.break_off(RunError::Interrupted(signal))),
+        };
+        if let Err(error) = handed_back {
+            let error = explain(error, &mut self.process).await;
             return Err(self.break_off(error));
         }
         let Self { world, process, mut result, begin_s, .. } = self;
@@ -243,21 +253,18 @@ async fn reach_sumo(
     options: &SessionOptions,
     result: &mut ResultWriter,
     process: &mut Option<SumoProcess>,
-    stopped: impl Future<Output = Signal>,
 ) -> Result<Client, RunError> {
     let sumo = result.scenario.sumo.clone();
+    let patience = Duration::from_secs_f64(sumo.timeout_s);
     if let Some(address) = sumo.connect {
-        let mut client = Client::join(address, REACH, PATIENCE).await?;
+        let mut client = Client::join(address, REACH.min(patience), patience).await?;
         client.set_order(1).await?;
         return Ok(client);
     }
     let binary = find_named(options.sumo.as_deref(), if sumo.gui { "sumo-gui" } else { "sumo" })?;
     let arguments = result.sumo_command(&binary.path)?;
     let process = process.insert(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.dir.sumo()?)?);
-    let mut client = tokio::select! {
-        client = process.connect(PATIENCE) => client?,
-        signal = stopped => return Err(RunError::Interrupted(signal)),
-    };
+    let mut client = process.connect(patience).await?;
     if sumo.num_clients > 1 {
         client.set_order(1).await?;
     }

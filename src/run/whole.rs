@@ -6,6 +6,10 @@ use super::result::RunResult;
 use super::session::{Session, SessionOptions};
 use super::signals::Signals;
 use crate::scenario::Scenario;
+use std::time::Duration;
+
+/// A step that takes longer than this is told.
+const SLOW: Duration = Duration::from_secs(10);
 
 /// How a run is carried out; nothing here changes its result.
 #[derive(Debug, Clone, Default)]
@@ -16,6 +20,8 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Show a progress bar.
     pub progress: bool,
+    /// Is told what the user should know while the run goes on.
+    pub tell: Option<fn(&str)>,
     /// End as after SIGTERM when standard input ends, and tell on standard output how far the run is.
     pub tied: bool,
 }
@@ -37,21 +43,36 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunEr
     })
 }
 
+/// Tells that a step takes long: SUMO may be waiting for another client, or hang.
+async fn tell_if_slow(tell: Option<fn(&str)>) {
+    for waited in 1.. {
+        tokio::time::sleep(SLOW).await;
+        if let Some(tell) = tell {
+            let waited_s = waited * SLOW.as_secs();
+            tell(&format!(
+                "SUMO has not answered for {waited_s} s; the run waits until --timeout, Ctrl-C ends it with what there is"
+            ));
+        }
+    }
+}
+
 async fn run_until(signals: &Signals, scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunError> {
     let mut session = Session::open_unless(scenario, &options.session, signals.wait()).await?;
     let progress = Progress::new(options.progress, options.tied, &session);
     while signals.raised().is_none() && !session.is_over() {
+        let slow = tell_if_slow(options.tell);
         tokio::select! {
             stepped = session.step() => stepped?,
             signal = signals.overdue() => return Err(session.break_off(RunError::Interrupted(signal))),
+            () = slow => unreachable!("it tells for ever"),
         }
         progress.show(&session);
     }
     drop(progress);
     let interrupted = signals.raised();
     let result = match interrupted {
-        Some(signal) => session.close(Some(RunError::Interrupted(signal).to_string())).await?,
-        None => session.finish().await?,
+        Some(signal) => session.close(Some(RunError::Interrupted(signal).to_string()), signals.overdue()).await?,
+        None => session.close(None, signals.overdue()).await?,
     };
     Ok(RunResult { interrupted, ..result })
 }

@@ -39,6 +39,8 @@ keys! {
         port: Option<u16>, "-", 1..=65535;
         /// TraCI clients that SUMO waits for, this one included
         num_clients: u32 = 1, "-", 1..=1000;
+        /// longest time that SUMO may take to load, and to answer
+        timeout_s: f64 = 600.0, "s", 0.1..=1e6;
         /// HOST:PORT of a SUMO that already runs
         connect: Option<String>, form address;
     }

@@ -87,7 +87,7 @@ pub enum Error {
     #[error("an empty batch has no answer")]
     Empty,
     /// SUMO did not answer in time; the connection is finished.
-    #[error("SUMO did not answer within {} s", .after.as_secs_f64())]
+    #[error("SUMO did not answer within {:.1} s", .after.as_secs_f64())]
     Timeout {
         /// The time allowed.
         after: Duration,

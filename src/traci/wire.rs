@@ -32,14 +32,18 @@ pub(super) mod tag {
     pub const COLOR: u8 = 0x11;
 }
 
+/// The longest frame that is believed to be one \[bytes\]: a step's answers about a million vehicles are shorter.
+const FRAME_BYTES: usize = 1 << 28;
+
 /// Length of the frame that starts at `bytes`; `None` means "need more". The frame is complete once that many bytes
 /// are there.
 ///
 /// # Errors
-/// If the length is smaller than its own four bytes.
+/// If the length is smaller than its own four bytes, or so large that whoever sent it does not speak TraCI.
 pub fn frame_length(bytes: &[u8]) -> Result<Option<usize>, DecodeError> {
     let Some(head) = bytes.first_chunk::<4>() else { return Ok(None) };
     match usize::try_from(i32::from_be_bytes(*head)) {
+        Ok(length) if length > FRAME_BYTES => Err(DecodeError { offset: 0, what: "frame length above 256 MiB" }),
         Ok(length) if length >= 4 => Ok(Some(length)),
         _ => Err(DecodeError { offset: 0, what: "frame length below 4" }),
     }

@@ -211,6 +211,61 @@ fn a_full_disk_is_reported_and_the_rest_is_kept() {
     assert!(!dir.join("trace.csv").exists(), "a file with its name is whole");
 }
 
+/// A SUMO that hangs is waited for, but not in silence, and not longer than the user wants.
+#[test]
+fn a_sumo_that_hangs_is_told_and_can_be_given_up() {
+    for (signal, timeout) in [(true, "600"), (false, "12")] {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("result");
+        let args = ["--trace", "all", "--step-length", "0.05", "--timeout", timeout];
+        let (run, sumo) = until_under_way(run_command(NEW, &own("city"), &dir, &args), &dir);
+        send("-STOP", sumo);
+        let begun = Instant::now();
+        if signal {
+            std::thread::sleep(Duration::from_secs(11));
+            send("-TERM", run.child.id());
+        }
+        let ended = run.wait();
+        assert!(begun.elapsed() < Duration::from_secs(25), "{:?}", begun.elapsed());
+        assert_eq!(ended.code, Some(if signal { 143 } else { 1 }), "{}", ended.stderr);
+        assert!(ended.stderr.contains("SUMO has not answered for 10 s"), "{}", ended.stderr);
+        is_kept_but_incomplete(&dir);
+        assert!(!stays(sumo));
+    }
+}
+
+/// Who listens at the address that is to be joined need not be SUMO.
+#[test]
+fn a_server_that_is_no_sumo_is_given_up() {
+    use std::io::{Read, Write};
+    let folder = tempfile::tempdir().unwrap();
+    let server = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let address = server.local_addr().unwrap().to_string();
+    let join = |more: &[&str]| {
+        let args = [&["--connect", address.as_str()], more].concat();
+        Running::start(run_command(NEW, &own("light"), &folder.path().join("result"), &args))
+    };
+    // It never answers: a signal ends the wait, and so does the limit.
+    let silent = join(&[]);
+    let (connection, _) = server.accept().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    send("-INT", silent.child.id());
+    assert_eq!(silent.wait().code, Some(130));
+    drop(connection);
+    let limited = join(&["--timeout", "1"]);
+    let (connection, _) = server.accept().unwrap();
+    let ended = limited.wait();
+    assert!(ended.code == Some(1) && ended.stderr.contains("did not answer within 1.0 s"), "{}", ended.stderr);
+    drop(connection);
+    // It announces two gigabytes.
+    let flooded = join(&[]);
+    let (mut connection, _) = server.accept().unwrap();
+    connection.read_exact(&mut [0; 4]).unwrap();
+    connection.write_all(&0x7fff_fff0_u32.to_be_bytes()).unwrap();
+    let ended = flooded.wait();
+    assert!(ended.code == Some(1) && ended.stderr.contains("frame length above 256 MiB"), "{}", ended.stderr);
+}
+
 /// Waits until so many vehicles have left.
 fn until_rows(run: &mut Running, dir: &Path, rows: usize) {
     let deadline = Instant::now() + Duration::from_secs(60);
