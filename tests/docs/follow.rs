@@ -10,8 +10,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use crate::page::{Block, Page};
-use crate::support::{NEW, Running, sumo_home};
+use crate::page::{Block, Found, Page};
+use crate::support::{NEW, Running, repository, sumo_home};
 
 /// No block of a page takes this long.
 const LIMIT: Duration = Duration::from_secs(240);
@@ -74,23 +74,38 @@ fn follow(page: &str) {
 }
 
 #[test]
-fn the_tutorial_is_followed_word_for_word() {
+fn val_the_tutorial_is_followed_word_for_word() {
     follow("docs/tutorial.md");
 }
 
 #[test]
-fn several_clients_are_followed_word_for_word() {
+fn val_several_clients_are_followed_word_for_word() {
     follow("docs/how-to/clients.md");
 }
 
 #[test]
-fn fleets_are_followed_word_for_word() {
+fn val_fleets_are_followed_word_for_word() {
     follow("docs/how-to/fleets.md");
 }
 
 #[test]
-fn recordings_are_followed_word_for_word() {
+fn val_recordings_are_followed_word_for_word() {
     follow("docs/how-to/recordings.md");
+}
+
+/// README shows what a run of the city prints, but for its speed.
+#[test]
+fn val_the_summary_in_readme_is_what_is_printed() {
+    let page = Page::read("README.md");
+    let shown = page.blocks.iter().find(|block| block.found.text.starts_with("vehicles ")).expect("a summary");
+    let lines = shown.found.text.lines().map(|line| if line.starts_with("speed ") { "speed …" } else { line });
+    let shown = pattern(&format!("note: …\n{}", lines.map(|line| format!("{line}\n")).collect::<String>()));
+    let folder = tempfile::tempdir().unwrap();
+    let config = repository("sumo_nets/city/city.sumocfg");
+    let run = format!("sumo-mfc run {} -o out/first", config.display());
+    let command = Found { page: page.path.clone(), line: 0, text: run };
+    let printed = typed(folder.path(), &Block { info: Vec::new(), found: command });
+    assert!(shown.is_match(&printed), "{printed}");
 }
 
 #[test]

@@ -121,7 +121,8 @@ fn choice(section: &str, entries: &[Entry<()>]) -> String {
 
 fn page() -> String {
     let catalog = Catalog::installed();
-    let mut page = format!("{HEAD}\nOutside of all sections, `name` names the folder of the results; default: the file's name.\n");
+    let mut page =
+        format!("{HEAD}\nOutside of all sections, `name` names the folder of the results; default: the file's name.\n");
     for section in sections(&catalog) {
         write!(page, "\n## `[{}]`\n\n", section.name).unwrap();
         if section.name == "vehicle" {
@@ -151,7 +152,8 @@ fn page() -> String {
         write!(page, "\n{}", table(keys)).unwrap();
     }
     page.push_str(PARAMETERS);
-    let names = parameter_keys().map(|key| parameter_names(key).iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(" or "));
+    let names = parameter_keys()
+        .map(|key| parameter_names(key).iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(" or "));
     page.extend(names.map(|names| format!("- {names}\n")));
     page
 }

@@ -27,7 +27,9 @@ fn wrong_link(page: &Page, link: &str, anchors: &BTreeMap<String, Vec<String>>) 
     }
     let (file, heading) = link.split_once('#').map_or((link, None), |(file, heading)| (file, Some(heading)));
     let folder = Path::new(&page.path).parent().unwrap();
-    let target = if file.is_empty() { page.path.clone() } else {
+    let target = if file.is_empty() {
+        page.path.clone()
+    } else {
         let Some(target) = tidied(&folder.join(file)) else { return Some("leads out of the repository".to_owned()) };
         target.to_str().unwrap().replace('\\', "/")
     };

@@ -69,8 +69,7 @@ impl Page {
 
     /// Takes a text apart.
     pub fn parse(path: &str, text: &str) -> Self {
-        let mut page =
-            Self { path: path.to_owned(), anchors: vec![], links: vec![], blocks: vec![], inline: vec![] };
+        let mut page = Self { path: path.to_owned(), anchors: vec![], links: vec![], blocks: vec![], inline: vec![] };
         let (mut heading, mut same) = (None::<String>, BTreeMap::<String, usize>::new());
         let mut block = None::<Block>;
         for (event, range) in Parser::new_ext(text, Options::ENABLE_TABLES).into_offset_iter() {
@@ -133,7 +132,8 @@ pub fn book() -> Vec<String> {
 
 /// All pages: those of the book and those outside.
 pub fn pages() -> Vec<Page> {
-    let others = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "sumo_nets/README.md", "scenarios/paper/data/README.md"];
+    let others =
+        ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "sumo_nets/README.md", "scenarios/paper/data/README.md"];
     others.iter().map(|path| (*path).to_owned()).chain(book()).map(|path| Page::read(&path)).collect()
 }
 
