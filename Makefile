@@ -1,7 +1,7 @@
 # make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo test bytes matrix fuzz bench setup setup-test clean
+.PHONY: help demo test bytes matrix fuzz bench book setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
@@ -32,12 +32,15 @@ fuzz: ## Feed SUMO's recorded answers, changed at random, to the decoder for fuz
 bench: ## The benchmarks, one line per figure; the last against real SUMO at up to 20 000 cars (half an hour)
 	.ci/with-sumo cargo bench --locked
 
+book: ## The documentation as a site: target/site/docs/index.html (installs mdBook below .tools/ at the first call)
+	@.ci/book
+
 setup: ## Install the pinned SUMO below .sumo/
 	@.ci/install 1.28.0
 
 setup-test: ## Install what the tests need: three versions of SUMO, foreign networks (sumo-rl), and what SUMO's plots need
 	@.ci/install 1.28.0 1.15.0 1.14.1 sumo-rl==1.4.5 +matplotlib==3.10.9
 
-clean: ## Remove what was built and written; .sumo/ stays
+clean: ## Remove what was built and written; .sumo/ and .tools/ stay
 	cargo clean
 	rm -rf out

@@ -30,6 +30,8 @@ pub use document::Override;
 pub(crate) use document::{Entry, Node, Table};
 pub use error::{Mistake, ScenarioError, Wrong};
 pub use headway::HeadwayMargin;
+#[doc(hidden)]
+pub use layout::{Form, Section, sections};
 pub use load::Request;
 pub(crate) use load::read;
 pub use model::{Choice, Group, Preset, Scenario, Vehicle};

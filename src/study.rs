@@ -41,7 +41,7 @@ mod work;
 pub use case::State;
 pub use collect::{Tables, case_layout, collect};
 pub use comparison::{ComparisonRow, comparison_layout};
-pub use definition::{Arguments, Definition};
+pub use definition::{Arguments, Definition, file_keys};
 pub use error::StudyError;
 pub use executor::EXECUTORS;
 pub use joined::joined_layout;

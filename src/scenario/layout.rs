@@ -1,4 +1,5 @@
-//! The sections of a scenario file, in order. The template, the schema and the check for unknown sections come from this list.
+//! The sections of a scenario file, in order. The template, the schema, the page of keys in the docs and the check for
+//! unknown sections come from this list.
 
 use super::{
     catalog::Catalog,
@@ -13,7 +14,7 @@ use crate::{
 };
 
 /// A section of a scenario file.
-pub(super) struct Section {
+pub struct Section {
     /// Its name.
     pub name: &'static str,
     /// Whether a `[[group]]` may have a section of this name, too.
@@ -23,7 +24,7 @@ pub(super) struct Section {
 }
 
 /// What a section takes.
-pub(super) enum Form {
+pub enum Form {
     /// These keys.
     Keys(Vec<Key>),
     /// These keys, of which numbers may be distributions.
@@ -33,7 +34,7 @@ pub(super) enum Form {
 }
 
 /// All sections but `[[group]]`.
-pub(super) fn sections(catalog: &Catalog) -> Vec<Section> {
+pub fn sections(catalog: &Catalog) -> Vec<Section> {
     let keys = |name, keys: &[Key]| Section { name, grouped: false, form: Form::Keys(keys.to_vec()) };
     let [controller, target, plant, _] = catalog.registries().map(|(name, entries)| Section {
         name,

@@ -30,6 +30,11 @@ keys! {
     }
 }
 
+/// The keys of a study file beside `[[vary]]` and `reference`, by section; "" = outside of all.
+pub fn file_keys() -> [(&'static str, &'static [Key]); 2] {
+    [("", StudyKeys::keys()), ("slurm", SlurmKeys::keys())]
+}
+
 fn seeds(text: &str) -> Result<(), String> {
     parse_seeds(text).map(drop).map_err(|error| format!("1..5 (five seeds) or 3,8,12 ({error})"))
 }
