@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{
     ArgAction, Args, Parser, Subcommand, ValueHint,
-    builder::{PossibleValue, PossibleValuesParser, TypedValueParser},
+    builder::{PossibleValuesParser, TypedValueParser},
 };
 use clap_complete::Shell;
 
@@ -29,7 +29,7 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
     /// Print this help
-    #[arg(short, long, global = true, action = ArgAction::Help, help_heading = GENERAL)]
+    #[arg(short, long, global = true, action = ArgAction::Help, help_heading = GENERAL, display_order = 1000)]
     help: Option<bool>,
     /// Print the version
     #[arg(short = 'V', long, action = ArgAction::Version, help_heading = GENERAL)]
@@ -154,7 +154,7 @@ pub struct RunArgs {
     #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub out: Option<PathBuf>,
     /// Replace a finished result
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub force: bool,
     /// Threads [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = GENERAL)]
@@ -220,7 +220,7 @@ pub struct StudyArgs {
     #[arg(long, group = "instead", help_heading = CASES)]
     pub collect: bool,
     /// Run finished cases again
-    #[arg(long)]
+    #[arg(long, help_heading = CASES)]
     pub force: bool,
     /// Write no report.html
     #[arg(long, help_heading = OUTPUT)]
@@ -243,7 +243,7 @@ pub struct ExportArgs {
 
 /// The names of [`FORMS`].
 fn forms() -> impl TypedValueParser<Value = Form> {
-    PossibleValuesParser::new(FORMS.iter().map(|form| PossibleValue::new(form.name).help(form.summary)))
+    PossibleValuesParser::new(FORMS.iter().map(|form| form.name))
         .try_map(|name| find("form", FORMS, &name).map(|form| form.build))
 }
 

@@ -90,6 +90,8 @@ mod tests {
         for command in Cli::command().get_subcommands().chain([&Cli::command()]) {
             let text = command.get_after_help().map(ToString::to_string).unwrap_or_default();
             assert!(command.is_hide_set() || text.starts_with(help::HEAD), "{}: no examples", command.get_name());
+            // What is wider would be wrapped where the terminal is not known.
+            assert!(text.lines().all(|line| line.chars().count() <= 98), "{text}");
             for line in text.lines().filter_map(|line| line.strip_prefix("  ")) {
                 // What is said about an example stands behind two spaces; a shell's own part is the shell's.
                 let typed =

@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn csv_reads_back() {
         let text = text("csv");
-        let rows: Vec<_> = csv::Reader::from_reader(text.as_bytes()).into_records().map(Result::unwrap).collect();
+        let rows: Vec<_> = ::csv::Reader::from_reader(text.as_bytes()).into_records().map(Result::unwrap).collect();
         assert_eq!(rows[0], vec!["a|b\n<c>", "12.345678", "3", "true"]);
         assert_eq!(rows[1], vec!["d,\"e\"", "", "0", "false"]);
         assert!(text.starts_with("id,speed,steps,whole\n"), "{text}");

@@ -21,8 +21,10 @@ use support::{Ended, repository};
 
 /// Set where a missing archive or debootstrap is a failure.
 const REQUIRED: &str = "SUMO_MFC_DIST";
-/// The program is smaller.
-const BYTES: u64 = 12_000_000;
+/// What users download is smaller.
+const PACKED_BYTES: u64 = 12_000_000;
+/// What `cargo install` builds in minutes is smaller; with debug information it had 78 MB.
+const INSTALLED_BYTES: u64 = 15_000_000;
 
 fn skipped<T>(why: &str) -> Option<T> {
     assert!(std::env::var_os(REQUIRED).is_none(), "{why}");
@@ -52,9 +54,7 @@ fn the_program_that_cargo_installs_is_small() {
     let program = Path::new(env!("CARGO_BIN_EXE_sumo-mfc"));
     let optimised = program.parent().unwrap().ends_with("release");
     let bytes = program.metadata().unwrap().len();
-    // Builds for debugging and incremental ones hold more than what users install.
-    let plain = option_env!("CARGO_INCREMENTAL").is_none_or(|set| set == "0");
-    assert!(!optimised || !plain || bytes < BYTES, "{bytes} bytes");
+    assert!(!optimised || bytes < INSTALLED_BYTES, "{bytes} bytes");
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn the_archive_holds_a_small_static_program_and_what_belongs_to_it() {
     let packed = unpacked(&archive, folder.path());
     let program = packed.join("sumo-mfc");
     let bytes = program.metadata().unwrap().len();
-    assert!(bytes < BYTES, "{bytes} bytes");
+    assert!(bytes < PACKED_BYTES, "{bytes} bytes");
     // Static: no interpreter, and no library to look for.
     let headers = Command::new("readelf").arg("-ld").arg(&program).output().expect("binutils");
     let headers = String::from_utf8_lossy(&headers.stdout).into_owned();
