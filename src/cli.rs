@@ -12,7 +12,10 @@
 //! ```
 
 mod arguments;
+mod help;
+mod pages;
 mod study;
+mod tables;
 
 use std::{
     io::{ErrorKind, IsTerminal, Write},
@@ -20,14 +23,14 @@ use std::{
     process::ExitCode,
 };
 
-use arguments::{CheckArgs, Cli, Command, PaperArgs, ReportArgs, RunArgs};
+use arguments::{CheckArgs, Cli, Command, ListArgs, ManArgs, PaperArgs, ReportArgs, RunArgs};
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use tracing::level_filters::LevelFilter;
 
 use crate::{
     doctor, map, paper, report,
-    run::{self, RunError, RunOptions, SessionOptions, terminal_text},
+    run::{self, RunError, RunOptions, RunResult, SessionOptions, terminal_text},
     scenario::{Catalog, Scenario, schema, template},
 };
 
@@ -51,8 +54,10 @@ pub fn main(catalog: &Catalog) -> ExitCode {
         Command::Recover(args) => recover(&args.dirs),
         Command::Check(args) => check(&args, catalog),
         Command::Paper(args) => paper_tests(args),
-        Command::List => print(&catalog.lines()),
+        Command::List(args) => list(&args, catalog),
         Command::Doctor => doctor(),
+        Command::Completions(args) => print(&pages::completions(args.shell)),
+        Command::Man(args) => man(&args),
         Command::SlurmTask(args) => study::slurm_task(&args),
     };
     done.unwrap_or_else(|report| {
@@ -88,16 +93,32 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     };
     if !args.quiet {
         notes(&result.notes);
+    }
+    told(&result, args)?;
+    Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
+}
+
+/// Says what a run came to, and writes its page.
+fn told(result: &RunResult, args: &RunArgs) -> miette::Result<()> {
+    let silent = args.quiet || args.export.export.is_some();
+    if let Some(form) = args.export.export {
+        print(&tables::summed_up(result, form))?;
+    } else if !args.quiet {
         print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
     }
-    if let Some(profile) = result.profile {
-        print(&profile.to_string())?;
+    match &result.profile {
+        Some(profile) if args.export.export.is_some() => eprint!("{profile}"),
+        Some(profile) => drop(print(&profile.to_string())?),
+        None => {}
     }
     // After a signal the user waits for the end, not for a page.
     if !args.no_report && result.interrupted.is_none() {
-        write_report(&result.dir, args.quiet)?;
+        let page = write_report(&result.dir)?;
+        if !silent {
+            print(&line("look at", &page.display()))?;
+        }
     }
-    Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
+    Ok(())
 }
 
 /// Tells on stderr what happens inside: with `-v`, or as the variable RUST_LOG says (a level such as `debug`).
@@ -144,29 +165,50 @@ fn recover(dirs: &[PathBuf]) -> miette::Result<ExitCode> {
 }
 
 fn report_of(args: ReportArgs) -> miette::Result<ExitCode> {
+    let quiet = args.quiet;
     let written = report::report(&args.request())?;
-    print(&format!("{}\n", written.page.display()))
+    if quiet { Ok(ExitCode::SUCCESS) } else { print(&format!("{}\n", written.page.display())) }
 }
 
-/// The page that comes with a result. The result itself is whole whatever becomes of its page.
-fn write_report(dir: &Path, quiet: bool) -> miette::Result<()> {
+/// Writes the page that comes with a result, and returns its path. The result itself is whole whatever becomes of its page.
+fn write_report(dir: &Path) -> miette::Result<PathBuf> {
     let request = report::Request { dirs: vec![dir.to_owned()], ..report::Request::default() };
     let written = report::report(&request)
         .map_err(|error| miette::miette!("the result is whole, but its report could not be written: {error}"))?;
-    if !quiet {
-        print(&format!("{:<14} {}\n", "report", written.page.display()))?;
-    }
-    Ok(())
+    Ok(written.page)
+}
+
+/// A line of what a run or a study ends with.
+fn line(name: &str, text: &impl std::fmt::Display) -> String {
+    format!("{name:<14} {text}\n")
 }
 
 fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
     let sets = args.overrides();
-    let PaperArgs { test, out, coarse, preset, driver, .. } = args;
-    let progress = std::io::stderr().is_terminal();
+    let PaperArgs { test, out, coarse, preset, driver, export, quiet, .. } = args;
+    if test == "map" && export.export.is_some() {
+        miette::bail!("--export: found the test map, which has no table of published numbers; its own are in map.csv");
+    }
+    let progress = !quiet && std::io::stderr().is_terminal();
     let page = out.join("index.html");
     let request = paper::Request { test, out_dir: out, preset, driver, sets, coarse, progress };
     let results = paper::run(&request, map::finding)?;
-    print(&format!("{}{}\n", results.table(), page.display()))
+    match export.export {
+        Some(form) => print(&tables::reproduced(&results, form)),
+        None if quiet => Ok(ExitCode::SUCCESS),
+        None => print(&format!("{}{}\n", results.table(), page.display())),
+    }
+}
+
+fn list(args: &ListArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+    print(&args.export.export.map_or_else(|| catalog.lines(), |form| tables::listed(catalog, form)))
+}
+
+fn man(args: &ManArgs) -> miette::Result<ExitCode> {
+    match &args.out {
+        Some(dir) => pages::write_manuals(dir).map(|()| ExitCode::SUCCESS).map_err(|error| miette::miette!("{error}")),
+        None => print(&pages::manual().into_diagnostic()?),
+    }
 }
 
 fn doctor() -> miette::Result<ExitCode> {

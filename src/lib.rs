@@ -15,7 +15,7 @@
 //! 1  sumo_files                                SUMO's configuration, options, demand, outputs
 //!    figure                                    charts, maps and tables as SVG
 //!    fleet                                     the closed loop on columns; where the modules of layer 0 meet
-//! 0  plant control measurement reference traci output stats   and the common ground: columns keys lanes place registry random stopwatch table trig
+//! 0  plant control measurement reference traci output stats   and the common ground: columns keys lanes missing place registry random stopwatch table trig
 //! ```
 //! Units end the name (`speed_mps`, `torque_nm`, `dt_s`); frames are ISO 8855 (x forward, y left, yaw left positive).
 //!
@@ -55,6 +55,8 @@ pub mod map;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod measurement;
+#[cfg(feature = "sim")]
+mod missing;
 #[cfg(feature = "sim")]
 pub mod offline;
 #[cfg(feature = "sim")]

@@ -4,11 +4,12 @@
 //! the path chooses the format from [`FORMATS`]. Every file is written as `.part` and renamed once it is whole
 //! ([`PartFile`]), so a file without that suffix is complete. Where rows must not be lost before, the `.part` is a journal.
 //!
-//! A new format is one file with a [`Sink`] and one line in [`FORMATS`].
+//! A new format is one file with a [`Sink`] and one line in [`FORMATS`]. What goes to stdout instead of a file has [`FORMS`].
 
 mod atomic;
 mod csv;
 mod error;
+mod forms;
 mod journal;
 mod parquet;
 mod sink;
@@ -18,7 +19,8 @@ mod xml;
 
 pub use atomic::{PartFile, part_of, write_json, write_whole};
 pub use error::OutputError;
-pub(crate) use error::file_error;
+pub(crate) use error::{file_error, meant};
+pub use forms::{FORMS, Form};
 pub(crate) use journal::{Journal, read_journal, whole_of, write_over};
 pub use sink::Sink;
 pub use text::append;

@@ -83,7 +83,7 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
     let tests: Vec<&Entry<Run>> = match request.test.as_str() {
         "all" => TESTS.iter().collect(),
         "map" => Vec::new(),
-        name => vec![find("test", TESTS, name)?],
+        name => vec![find("test", TESTS, name).map_err(|unknown| unknown.or_known(&["map", "all"]))?],
     };
     let library = Library::open(&request.out_dir.join("scenarios"), &request.sets)?;
     let lab = Lab { library, driver: request.driver.clone() };

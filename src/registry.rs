@@ -45,6 +45,16 @@ pub struct UnknownName {
     pub known: Vec<String>,
 }
 
+impl UnknownName {
+    /// The same where these names are known as well.
+    #[must_use]
+    pub fn or_known(mut self, names: &[&str]) -> Self {
+        self.known.extend(names.iter().map(|name| (*name).to_owned()));
+        self.suggestion = nearest(&self.name, self.known.iter().map(String::as_str)).map(str::to_owned);
+        self
+    }
+}
+
 fn suggest(suggestion: &Option<String>) -> String {
     suggestion.as_ref().map(|s| format!(" (did you mean \"{s}\"?)")).unwrap_or_default()
 }

@@ -40,7 +40,7 @@ mod work;
 
 pub use case::State;
 pub use collect::{Tables, case_layout, collect};
-pub use comparison::{ComparisonRow, comparison_layout};
+pub use comparison::{ComparisonRow, comparison_layout, key_columns};
 pub use definition::{Arguments, Definition, file_keys};
 pub use error::StudyError;
 pub use executor::EXECUTORS;
@@ -50,6 +50,6 @@ pub use plan::{Case, Plan};
 pub use setting::{Setting, settings};
 pub use slurm::{SlurmKeys, run_task};
 pub use statistics::{Estimate, advice, holm, seeds_for};
-pub use terminal::terminal_table;
+pub use terminal::{exported_table, terminal_table};
 pub use warm_up::WarmUp;
 pub use work::{Ended, Executor, Standing, Work};

@@ -75,6 +75,53 @@ fn missing_files() {
 }
 
 #[test]
+fn misspelt_files_and_folders_are_told_with_the_nearest() {
+    let folder = folder();
+    write(&folder, "lap.csv", "t_s,v_mps\n0,1\n1,1\n");
+    std::fs::create_dir(folder.path().join("results")).unwrap();
+    write(&folder, "results/run.json", "{}");
+    for (arguments, meant) in [
+        (&["run", "scenaro.toml"][..], "scenario.toml"),
+        (&["run", "scenario"], "scenario.toml"),
+        (&["run", "ligth.sumocfg"], "light.sumocfg"),
+        (&["run", "--net", "light.nt.xml", "--routes", "light.rou.xml"], "light.net.xml"),
+        (&["run", "--net", "light.net.xml", "--routes", "light.rout.xml"], "light.rou.xml"),
+        (&["check", "scenari.toml"], "scenario.toml"),
+        (&["sweep", "scenarioo.toml", "--seeds", "1"], "scenario.toml"),
+        (&["report", "result"], "results"),
+        (&["run", "--from", "results/rum.json"], "results/run.json"),
+        (&["run", "--from", "reslts/run.json"], "results/run.json"),
+        (&["run", "scenario.toml", "--target", "profile", "--set", "target.file=lab.csv"], "lap.csv"),
+        (&["paper", "driver", "--driver", "lab.csv"], "lap.csv"),
+    ] {
+        refused(&folder, arguments, &["did you mean ", &format!("{meant}?")]);
+    }
+    let output = command(&folder, &["run", "quite_another.toml"]).output().unwrap();
+    assert!(!String::from_utf8_lossy(&output.stderr).contains("did you mean"), "nothing is near");
+}
+
+#[test]
+fn misspelt_subcommands_and_names_are_told_with_the_nearest() {
+    for (arguments, meant) in [
+        (&["rum", "scenario.toml"][..], "'run'"),
+        (&["compair", "scenario.toml"], "'compare'"),
+        (&["run", "scenario.toml", "--controler", "pid"], "'--controller'"),
+        (&["completions", "bach"], "'bash'"),
+        (&["paper", "--preset", "defualt"], "\"default\""),
+        (&["paper", "sime"], "\"sine\""),
+        (&["paper", "mapp"], "\"map\""),
+        (&["sweep", "scenario.toml", "--executor", "slrum"], "\"slurm\""),
+        (&["list", "--export", "cvs"], "'csv'"),
+    ] {
+        let folder = folder();
+        let output = command(&folder, arguments).output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
+        assert!(message.contains(meant), "{arguments:?}: no {meant} in\n{message}");
+    }
+}
+
+#[test]
 fn files_that_a_configuration_names_are_missed_with_its_line() {
     let folder = folder();
     let configuration = fs::read_to_string(folder.path().join("light.sumocfg")).unwrap();

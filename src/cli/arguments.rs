@@ -2,44 +2,76 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{
+    ArgAction, Args, Parser, Subcommand, ValueHint,
+    builder::{PossibleValuesParser, TypedValueParser},
+};
+use clap_complete::Shell;
 
+use super::help::{self, CASES, CONTROLLER, GENERAL, OUTPUT, SCENARIO, STUDY, SUMO};
 use crate::{
+    output::{FORMS, Form},
+    registry::find,
     report,
     scenario::{Override, Request},
     study::Arguments,
 };
 
-/// Gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller.
+/// What the program is called.
+pub const PROGRAM: &str = "sumo-mfc";
+
+/// Gives every equipped car of a SUMO simulation a 7-DoF body and a model-free speed controller
 #[derive(Debug, Parser)]
-#[command(name = "sumo-mfc", version, about, max_term_width = 110)]
+#[command(name = PROGRAM, version, about, max_term_width = 120, after_help = help::MAIN)]
+#[command(disable_help_flag = true, disable_version_flag = true)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Print this help
+    #[arg(short, long, global = true, action = ArgAction::Help, help_heading = GENERAL, display_order = 1000)]
+    help: Option<bool>,
+    /// Print the version
+    #[arg(short = 'V', long, action = ArgAction::Version, help_heading = GENERAL)]
+    version: Option<bool>,
 }
 
 /// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run a scenario in SUMO and write error statistics per vehicle
+    #[command(after_help = help::RUN)]
     Run(Box<RunArgs>),
     /// Run a scenario with several controllers on the same traffic and compare them
+    #[command(after_help = help::COMPARE)]
     Compare(Box<CompareArgs>),
     /// Run a scenario under many settings and seeds and compare them: a study file, or keys to vary
+    #[command(after_help = help::SWEEP)]
     Sweep(Box<SweepArgs>),
     /// Make one HTML page of a result folder of run, compare or sweep, or of two side by side
+    #[command(after_help = help::REPORT)]
     Report(ReportArgs),
     /// Make tables of what a run has left that was killed
+    #[command(after_help = help::RECOVER)]
     Recover(RecoverArgs),
     /// Check a scenario and print it resolved, in SI units, as TOML
+    #[command(after_help = help::CHECK)]
     Check(Box<CheckArgs>),
     /// Reproduce the experiments of the paper, without SUMO: figures, tables and one page
+    #[command(after_help = help::PAPER)]
     Paper(PaperArgs),
     /// List controllers, targets, plants and bodies: kind, name, summary
-    List,
+    #[command(after_help = help::LIST)]
+    List(ListArgs),
     /// Find SUMO, make one real step, and check the coupling
+    #[command(after_help = help::DOCTOR)]
     Doctor,
+    /// Print the completions of a shell
+    #[command(after_help = help::COMPLETIONS)]
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write it and those of all subcommands into a folder
+    #[command(after_help = help::MAN)]
+    Man(ManArgs),
     /// Run the cases of one task of a job array, which the executor slurm has submitted
     #[command(hide = true)]
     SlurmTask(SlurmTaskArgs),
@@ -52,70 +84,70 @@ pub struct ScenarioArgs {
     #[arg(value_name = "SCENARIO", conflicts_with_all = ["net", "routes"])]
     scenario: Option<PathBuf>,
     /// A SUMO network, in place of a scenario
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = SCENARIO, value_hint = ValueHint::FilePath)]
     net: Option<String>,
     /// Route files for --net
-    #[arg(long, value_name = "FILE", num_args = 1.., requires = "net")]
+    #[arg(long, value_name = "FILE", num_args = 1.., requires = "net", help_heading = SCENARIO, value_hint = ValueHint::FilePath)]
     routes: Vec<String>,
-    /// Speed controller (see `sumo-mfc list`)
-    #[arg(long, value_name = "NAME")]
+    /// Speed controller (see `sumo-mfc list`) [default: that of the scenario, or adaptive]
+    #[arg(long, value_name = "NAME", help_heading = CONTROLLER)]
     controller: Option<String>,
-    /// Where the target speed comes from (see `sumo-mfc list`)
-    #[arg(long, value_name = "NAME")]
+    /// Where the target speed comes from (see `sumo-mfc list`) [default: that of the scenario, or traffic]
+    #[arg(long, value_name = "NAME", help_heading = CONTROLLER)]
     target: Option<String>,
-    /// Equipped vehicles: all | param | type:GLOB | id:REGEX | class:NAME | share:0.25
-    #[arg(long, value_name = "SELECTOR")]
+    /// Equipped vehicles: all | param | type:GLOB | id:REGEX | class:NAME | share:0.25 [default: that of the scenario, or all]
+    #[arg(long, value_name = "SELECTOR", help_heading = CONTROLLER)]
     egos: Option<String>,
-    /// Seed of SUMO and of everything drawn here
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    /// Seed of SUMO and of everything drawn here [default: that of the scenario or configuration]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = SCENARIO)]
     seed: Option<String>,
-    /// Simulation time at which the run ends (s)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    /// Simulation time at which the run ends (s) [default: that of the scenario or configuration]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = SCENARIO)]
     end: Option<String>,
-    /// SUMO's step length (s)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    /// SUMO's step length (s) [default: that of the scenario, or 0.1]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = SUMO)]
     step_length: Option<String>,
-    /// Averaging of a recording that is the target, 10 Hz or more (s); 0 = off
-    #[arg(long, value_name = "S")]
+    /// Averaging of a recording that is the target, 10 Hz or more (s); 0 = off [default: 1]
+    #[arg(long, value_name = "S", help_heading = SCENARIO)]
     smooth_s: Option<f64>,
     /// Any other key of the scenario, by its TOML path: controller.k_p=1.2
-    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = set, help_heading = SCENARIO)]
     set: Vec<Override>,
-    /// Trace these vehicles (ids separated by commas) or all
-    #[arg(long, value_name = "IDS|all")]
+    /// Trace these vehicles (ids separated by commas) or all [default: none]
+    #[arg(long, value_name = "IDS|all", help_heading = OUTPUT)]
     trace: Option<String>,
-    /// Time between rows of the trace (s)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    /// Time between rows of the trace (s) [default: SUMO's step]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = OUTPUT)]
     trace_period: Option<String>,
-    /// Name of the table of vehicles; .csv, .parquet or .xml chooses the format
-    #[arg(long, value_name = "NAME")]
+    /// Name of the table of vehicles; .csv, .parquet or .xml chooses the format [default: vehicles.csv]
+    #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     vehicles_output: Option<String>,
-    /// Name of the trace; .csv, .parquet or .xml chooses the format
-    #[arg(long, value_name = "NAME")]
+    /// Name of the trace; .csv, .parquet or .xml chooses the format [default: trace.csv]
+    #[arg(long, value_name = "NAME", help_heading = OUTPUT)]
     trace_output: Option<String>,
     /// SUMO measures the conflicts of all vehicles: TTC, DRAC, PET (sumo/ssm.xml)
-    #[arg(long)]
+    #[arg(long, help_heading = SUMO)]
     safety: bool,
     /// SUMO's FCD output holds our signals: mfc.err, mfc.torque, mfc.alpha (sumo/fcd.xml)
-    #[arg(long)]
+    #[arg(long, help_heading = SUMO)]
     fcd: bool,
     /// Start sumo-gui; its egos are coloured by their error
-    #[arg(long)]
+    #[arg(long, help_heading = SUMO)]
     gui: bool,
-    /// TraCI port
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    /// TraCI port [default: a free one]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, help_heading = SUMO)]
     port: Option<String>,
-    /// TraCI clients that SUMO waits for, this one included
-    #[arg(long, value_name = "K", allow_negative_numbers = true)]
+    /// TraCI clients that SUMO waits for, this one included [default: 1]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, help_heading = SUMO)]
     num_clients: Option<String>,
     /// Join a SUMO that already runs
-    #[arg(long, value_name = "HOST:PORT")]
+    #[arg(long, value_name = "HOST:PORT", help_heading = SUMO)]
     connect: Option<String>,
-    /// Longest time that SUMO may take to load, and to answer (s)
-    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    /// Longest time that SUMO may take to load, and to answer (s) [default: 600]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = SUMO)]
     timeout: Option<String>,
     /// Options passed on to SUMO
-    #[arg(last = true, value_name = "SUMO-OPTIONS")]
+    #[arg(last = true, value_name = "SUMO-OPTIONS", help_heading = SUMO)]
     sumo_options: Vec<String>,
 }
 
@@ -125,31 +157,33 @@ pub struct RunArgs {
     #[command(flatten)]
     pub scenario: ScenarioArgs,
     /// Repeat the run of this run.json bit for bit
-    #[arg(long, value_name = "RUN.JSON", conflicts_with = "ScenarioArgs")]
+    #[arg(long, value_name = "RUN.JSON", conflicts_with = "ScenarioArgs", help_heading = SCENARIO)]
     pub from: Option<PathBuf>,
     /// Folder of the results [default: out/<scenario>-<controller>-<seed>]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub out: Option<PathBuf>,
     /// Replace a finished result
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub force: bool,
     /// Threads [default: all cores]
-    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = GENERAL)]
     pub threads: Option<u16>,
     /// End as after SIGTERM when standard input ends, and tell how far the run is
     #[arg(long, hide = true)]
     pub tied: bool,
     /// Print where the time of a step goes
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub profile: bool,
     /// Write no report.html
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub no_report: bool,
+    #[command(flatten)]
+    pub export: ExportArgs,
     /// Only errors
-    #[arg(short, long, conflicts_with = "verbose")]
+    #[arg(short, long, conflicts_with = "verbose", help_heading = GENERAL)]
     pub quiet: bool,
     /// More about what happens
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = GENERAL)]
     pub verbose: bool,
 }
 
@@ -159,50 +193,67 @@ pub struct StudyArgs {
     #[command(flatten)]
     pub scenario: ScenarioArgs,
     /// Seeds: 1..10 (both included) or a list separated by commas [default: 1..5]
-    #[arg(long, value_name = "SEEDS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SEEDS", allow_hyphen_values = true, help_heading = STUDY)]
     pub seeds: Option<String>,
-    /// Time that SUMO alone simulates once per seed, before the cases begin (s)
-    #[arg(long, value_name = "S")]
+    /// Time that SUMO alone simulates once per seed, before the cases begin (s) [default: 0]
+    #[arg(long, value_name = "S", help_heading = STUDY)]
     pub warm_up: Option<String>,
-    /// Resamples of the studentised bootstrap of every difference, beside the t interval
-    #[arg(long, value_name = "N")]
+    /// Resamples of the studentised bootstrap of every difference, beside the t interval [default: 0]
+    #[arg(long, value_name = "N", help_heading = STUDY)]
     pub bootstrap: Option<String>,
     /// Cases at the same time [default: all cores]
-    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = CASES)]
     pub jobs: Option<u16>,
     /// Who runs the cases: local, or slurm (job arrays; returns when they are submitted)
-    #[arg(long, value_name = "NAME", default_value = "local")]
+    #[arg(long, value_name = "NAME", default_value = "local", help_heading = CASES)]
     pub executor: String,
     /// What Slurm is asked for: partition, account, time, memory, throttle, cases_per_task, sbatch (further arguments)
-    #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = pair, help_heading = CASES)]
     pub slurm: Vec<String>,
     /// Stay until all cases have ended, also where Slurm runs them
-    #[arg(long)]
+    #[arg(long, help_heading = CASES)]
     pub wait: bool,
     /// Run only every Nth case, from the Ith on; --collect makes the tables when all are there
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, value_name = "I/N", help_heading = CASES)]
     pub shard: Option<String>,
     /// Folder of the results [default: out/<study>, out/<scenario>-sweep or out/<scenario>-compare]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT)]
     pub out: Option<PathBuf>,
     /// List the cases and run nothing
-    #[arg(long, group = "instead")]
+    #[arg(long, group = "instead", help_heading = CASES)]
     pub plan: bool,
     /// Tell how far the cases are and run nothing
-    #[arg(long, group = "instead")]
+    #[arg(long, group = "instead", help_heading = CASES)]
     pub status: bool,
     /// Make the tables from what is there and run nothing
-    #[arg(long, group = "instead")]
+    #[arg(long, group = "instead", help_heading = CASES)]
     pub collect: bool,
     /// Run finished cases again
-    #[arg(long)]
+    #[arg(long, help_heading = CASES)]
     pub force: bool,
     /// Write no report.html
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub no_report: bool,
+    #[command(flatten)]
+    pub export: ExportArgs,
     /// Only errors
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = GENERAL)]
     pub quiet: bool,
+}
+
+/// How a table is printed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = OUTPUT)]
+pub struct ExportArgs {
+    /// Print nothing on stdout but the table, in this form
+    #[arg(long, value_name = "FORMAT", value_parser = forms())]
+    pub export: Option<Form>,
+}
+
+/// The names of [`FORMS`].
+fn forms() -> impl TypedValueParser<Value = Form> {
+    PossibleValuesParser::new(FORMS.iter().map(|form| form.name))
+        .try_map(|name| find("form", FORMS, &name).map(|form| form.build))
 }
 
 /// `slurm-task`.
@@ -220,10 +271,10 @@ pub struct SweepArgs {
     #[command(flatten)]
     pub study: StudyArgs,
     /// Vary a key: KEY=V1,V2,... or KEY=FIRST..LAST..STEP; several make a grid. The controller "plain" is SUMO without us
-    #[arg(long, value_name = "KEY=VALUES", value_parser = pair)]
+    #[arg(long, value_name = "KEY=VALUES", value_parser = pair, help_heading = STUDY)]
     vary: Vec<String>,
     /// Compare with the settings in which a key has this value
-    #[arg(long, value_name = "KEY=VALUE", value_parser = pair)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = pair, help_heading = STUDY)]
     reference: Vec<String>,
 }
 
@@ -233,7 +284,7 @@ pub struct CompareArgs {
     #[command(flatten)]
     pub study: StudyArgs,
     /// Controllers, separated by commas; differences are to the first
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "ideal,classic,adaptive,pid")]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "ideal,classic,adaptive,pid", help_heading = STUDY)]
     controllers: Vec<String>,
 }
 
@@ -276,11 +327,14 @@ pub struct ReportArgs {
     #[arg(required = true, value_name = "DIR", num_args = 1..)]
     dirs: Vec<PathBuf>,
     /// Show this vehicle at once, with its curves as figures
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", help_heading = OUTPUT)]
     vehicle: Option<String>,
     /// The page [default: report.html in DIR]; its figures go into the folder of the same name beside it
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", help_heading = OUTPUT)]
     out: Option<PathBuf>,
+    /// Only errors
+    #[arg(short, long, help_heading = GENERAL)]
+    pub quiet: bool,
 }
 
 impl ReportArgs {
@@ -294,8 +348,31 @@ impl ReportArgs {
 #[derive(Debug, Args)]
 pub struct RecoverArgs {
     /// The folders of the runs
-    #[arg(required = true, value_name = "DIR", num_args = 1..)]
+    #[arg(required = true, value_name = "DIR", num_args = 1.., value_hint = ValueHint::DirPath)]
     pub dirs: Vec<PathBuf>,
+}
+
+/// `list`.
+#[derive(Debug, Args)]
+pub struct ListArgs {
+    #[command(flatten)]
+    pub export: ExportArgs,
+}
+
+/// `completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    pub shell: Shell,
+}
+
+/// `man`.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Folder of the pages; without it the page of the program goes to stdout
+    #[arg(short, long, value_name = "DIR", help_heading = OUTPUT, value_hint = ValueHint::DirPath)]
+    pub out: Option<PathBuf>,
 }
 
 /// `check`.
@@ -304,10 +381,10 @@ pub struct CheckArgs {
     #[command(flatten)]
     pub scenario: ScenarioArgs,
     /// Print every key with its unit, range and default
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub template: bool,
     /// Print a JSON schema of the scenario file, for editors
-    #[arg(long, conflicts_with = "template")]
+    #[arg(long, conflicts_with = "template", help_heading = OUTPUT)]
     pub schema: bool,
 }
 
@@ -318,23 +395,28 @@ pub struct PaperArgs {
     #[arg(default_value = "all", value_name = "TEST")]
     pub test: String,
     /// Folder of the results
-    #[arg(short, long, value_name = "DIR", default_value = "out/paper")]
+    #[arg(short, long, value_name = "DIR", default_value = "out/paper", help_heading = OUTPUT)]
     pub out: PathBuf,
     /// The map on a coarse grid, to see that it works
-    #[arg(long)]
+    #[arg(long, help_heading = OUTPUT)]
     pub coarse: bool,
-    /// Only this preset of scenarios/paper/presets
-    #[arg(long, value_name = "NAME")]
+    /// Only this preset of scenarios/paper/presets [default: all of them]
+    #[arg(long, value_name = "NAME", help_heading = SCENARIO)]
     pub preset: Option<String>,
-    /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see README)
-    #[arg(long, value_name = "FILE")]
+    /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see docs/how-to/recordings.md)
+    #[arg(long, value_name = "FILE", help_heading = SCENARIO)]
     pub driver: Option<PathBuf>,
-    /// Averaging of a recording of 10 Hz or more (s); 0 = off
-    #[arg(long, value_name = "S")]
+    /// Averaging of a recording of 10 Hz or more (s); 0 = off [default: 1]
+    #[arg(long, value_name = "S", help_heading = SCENARIO)]
     smooth_s: Option<f64>,
     /// Any key of the scenarios, by its TOML path: controller.k_p=1.2
-    #[arg(long, value_name = "KEY=VALUE", value_parser = set)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = set, help_heading = SCENARIO)]
     pub set: Vec<Override>,
+    #[command(flatten)]
+    pub export: ExportArgs,
+    /// Only errors
+    #[arg(short, long, help_heading = GENERAL)]
+    pub quiet: bool,
 }
 
 fn set(argument: &str) -> Result<Override, String> {

@@ -4,14 +4,16 @@ use std::{collections::BTreeMap, ffi::OsString, process::ExitCode};
 
 use super::{
     arguments::{SlurmTaskArgs, StudyArgs},
-    notes, print, write_report,
+    line, notes, print,
+    tables::{CaseLine, Standing as Listed, standings},
+    write_report,
 };
 use crate::{
     registry::find,
     scenario::Catalog,
     study::{
         Arguments, Case, Definition, EXECUTORS, Ended, Plan, Standing, State, StudyError, Work, advice, collect,
-        run_task, terminal_table,
+        exported_table, run_task, terminal_table,
     },
 };
 
@@ -30,7 +32,10 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     let mine = |case: &&Case| shard.is_none_or(|(i, n)| case.number % n == i % n);
     if args.plan || args.status {
         let standing = if args.status { (executor.standing)(&plan)? } else { BTreeMap::new() };
-        return print(&listed(&plan, mine, args.status, &standing));
+        return match args.export.export {
+            Some(form) => print(&standings(&plan.keys, &open_cases(&plan, mine, args.status, &standing), form)),
+            None => print(&listed(&plan, mine, args.status, &standing)),
+        };
     }
     if args.collect {
         return tables(&plan, args);
@@ -116,9 +121,16 @@ fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
     if !args.quiet {
         eprintln!("{}: {done} cases done, {failed} failed, {missing} missing", plan.dir.display());
     }
-    print(&terminal_table(&plan.keys, plan.seeds.len(), &tables.comparison))?;
+    match args.export.export {
+        Some(form) => print(&exported_table(&plan.keys, &tables.comparison, form))?,
+        None if args.quiet => ExitCode::SUCCESS,
+        None => print(&terminal_table(&plan.keys, plan.seeds.len(), &tables.comparison))?,
+    };
     if !args.no_report {
-        write_report(&plan.dir, args.quiet)?;
+        let page = write_report(&plan.dir)?;
+        if !args.quiet && args.export.export.is_none() {
+            print(&line("report", &page.display()))?;
+        }
     }
     failures(failed)
 }
@@ -132,6 +144,22 @@ fn failures(failed: usize) -> miette::Result<ExitCode> {
         ));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The cases as rows; with `open`, only those that are not done.
+fn open_cases(
+    plan: &Plan,
+    mine: impl Fn(&&Case) -> bool,
+    open: bool,
+    standing: &BTreeMap<usize, Standing>,
+) -> Vec<Listed> {
+    let listed = plan.cases.iter().filter(mine).map(|case| {
+        let (status, reason) = told(State::of(plan, case), standing.get(&case.number));
+        let reason = reason.trim_start_matches(": ").to_owned();
+        let line = CaseLine { case: case.number as u64, seed: case.seed, status, reason };
+        Listed { values: plan.settings[case.setting].values.clone(), line }
+    });
+    listed.filter(|case| !open || case.line.status != DONE).collect()
 }
 
 /// One line per case, what they come to, and how long those take that are left; with `open`, only cases that are not done.

@@ -1,5 +1,6 @@
 //! Why a file could not be written.
 
+use crate::missing::did_you_mean;
 use crate::registry::UnknownName;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// The operating system refused: no permission, disk full, no such file.
-    #[error("cannot {action} {}: {source}", .path.display())]
+    #[error("cannot {action} {}: {source}{}", .path.display(), meant(action, .path))]
     File {
         /// "create", "write", "read", ...
         action: &'static str,
@@ -25,6 +26,11 @@ pub enum OutputError {
         /// The suffix and the known ones.
         source: UnknownName,
     },
+}
+
+/// The nearest name, of a file that was to be read.
+pub(crate) fn meant(action: &str, path: &Path) -> String {
+    if action == "read" { did_you_mean(path) } else { String::new() }
 }
 
 /// Names the file in an error of the operating system.

@@ -1,6 +1,7 @@
 //! Why an experiment has no result.
 
 use crate::offline::OfflineError;
+use crate::output::meant;
 use crate::registry::UnknownName;
 use crate::scenario::ScenarioError;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum PaperError {
     /// A file cannot be read or written.
-    #[error("cannot {action} {}: {source}", .path.display())]
+    #[error("cannot {action} {}: {source}{}", .path.display(), meant(action, .path))]
     File {
         /// "read" or "write".
         action: &'static str,

@@ -1,12 +1,13 @@
 //! What can be wrong with a profile.
 
+use crate::missing::did_you_mean;
 use std::path::PathBuf;
 
 /// Why a profile cannot be had.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The file cannot be read.
-    #[error("{}: {source}", .file.display())]
+    #[error("{}: {source}{}", .file.display(), did_you_mean(.file))]
     Read {
         /// The file.
         file: PathBuf,

@@ -1,5 +1,6 @@
 //! Why a report cannot be made.
 
+use crate::missing::did_you_mean;
 use crate::output::OutputError;
 use crate::sumo_files::SumoFileError;
 use std::path::PathBuf;
@@ -8,7 +9,10 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ReportError {
     /// The folder is none of a run or a study.
-    #[error("{}: found neither run.json nor study.json, wanted the result folder of run, compare or sweep", .0.display())]
+    #[error(
+        "{}: found neither run.json nor study.json, wanted the result folder of run, compare or sweep{}",
+        .0.display(), did_you_mean(.0)
+    )]
     NoResult(PathBuf),
     /// More than two results.
     #[error("found {0} results, wanted one, or two to compare")]

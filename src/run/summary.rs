@@ -101,7 +101,19 @@ pub(super) fn summary_fields() -> Vec<Column> {
         .collect()
 }
 
-/// What `run` says at its end: at most ten lines, a line break after each.
+/// As many vehicles are named as worth a look.
+const NAMED: usize = 3;
+
+/// The vehicles with the largest errors, the largest first.
+fn worst(rows: &[VehicleRow]) -> Option<String> {
+    let mut errors: Vec<(f64, &str)> =
+        rows.iter().filter_map(|row| Some((row.stats.error_rms.filter(|rms| *rms > 0.0)?, row.id.as_str()))).collect();
+    errors.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let named: Vec<String> = errors.iter().take(NAMED).map(|(rms, id)| format!("{id} {rms:.3}")).collect();
+    (!named.is_empty()).then(|| format!("{} m/s error RMS", named.join(", ")))
+}
+
+/// What `run` says at its end, what matters first: at most ten lines, a line break after each.
 pub fn terminal_text(summary: &Summary, rows: &[VehicleRow], dir: &Path, files: &[String]) -> String {
     let mut lines = Vec::new();
     let reasons = Reason::ALL.map(|r| (summary.count(r.as_str()), r.as_str().replace('_', " ")));
@@ -126,6 +138,9 @@ pub fn terminal_text(summary: &Summary, rows: &[VehicleRow], dir: &Path, files: 
     lines.push(("collisions", format!("{}, teleports {}", sumo.collisions, sumo.teleports)));
     let factor = summary.real_time_factor.map(|f| format!("{f:.1} x real time, ")).unwrap_or_default();
     lines.push(("speed", format!("{factor}{:.1} s", summary.wall_s)));
+    if let Some(worst) = worst(rows) {
+        lines.push(("worst", worst));
+    }
     let (sumo_files, own): (Vec<_>, Vec<_>) = files.iter().partition(|f| f.starts_with("sumo/"));
     let mut written: Vec<&str> = own.into_iter().map(String::as_str).collect();
     if !sumo_files.is_empty() {
@@ -191,6 +206,7 @@ mod tests {
         clamps         7 steps in 1 of 5 vehicles
         collisions     1, teleports 2
         speed          30.0 x real time, 20.0 s
+        worst          4 0.400, 3 0.300, 2 0.200 m/s error RMS
         written        out/city-adaptive-42: run.json vehicles.csv sumo/
         ");
     }

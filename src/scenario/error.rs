@@ -4,13 +4,13 @@ use std::{fmt, path::PathBuf};
 
 use miette::{Diagnostic, LabeledSpan, SourceCode};
 
-use crate::{place::Place, registry::UnknownName, sumo_files::SumoFileError};
+use crate::{missing::did_you_mean, place::Place, registry::UnknownName, sumo_files::SumoFileError};
 
 /// Why a scenario cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// A file cannot be read.
-    #[error("{}: cannot be read: {reason}", path.display())]
+    #[error("{}: cannot be read: {reason}{}", path.display(), did_you_mean(path))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -110,7 +110,7 @@ pub enum Wrong {
     #[error(transparent)]
     Name(Box<UnknownName>),
     /// The file does not exist.
-    #[error("{} does not exist", .0.display())]
+    #[error("{} does not exist{}", .0.display(), did_you_mean(.0))]
     MissingFile(PathBuf),
 }
 

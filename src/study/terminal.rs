@@ -1,7 +1,9 @@
 //! A comparison on the terminal.
 
-use super::comparison::{Compared, ComparisonRow};
+use super::comparison::{Compared, ComparisonRow, comparison_layout, key_columns};
 use super::metrics::{METRIC_COUNT, METRICS, Metric};
+use crate::output::Form;
+use crate::table::Layout;
 use comfy_table::{CellAlignment, Table, presets};
 
 /// Settings side by side in one table.
@@ -29,13 +31,48 @@ fn cell(metric: &Metric, compared: &Compared) -> String {
     text
 }
 
+/// A row for each of these metrics, a column for each of these settings, the title in front.
+fn side_by_side(metrics: &[usize], settings: &[&[ComparisonRow]]) -> Vec<Vec<String>> {
+    let row = |&k: &usize| {
+        let metric = &METRICS[k];
+        let unit = if metric.unit.is_empty() { String::new() } else { format!(" [{}]", metric.unit) };
+        let cells = settings.iter().map(|rows| cell(metric, &rows[k].compared));
+        [format!("{}{unit}", metric.title)].into_iter().chain(cells).collect()
+    };
+    metrics.iter().map(row).collect()
+}
+
+/// The names of the keys, then the values of each setting.
+fn head(keys: &[String], settings: &[&[ComparisonRow]]) -> Vec<String> {
+    [keys.join("\n")].into_iter().chain(settings.iter().map(|rows| rows[0].values.join("\n"))).collect()
+}
+
+/// Whether any setting has this metric, and it is one that the terminal shows.
+fn is_shown(k: usize, settings: &[&[ComparisonRow]]) -> bool {
+    !METRICS[k].title.is_empty() && settings.iter().any(|rows| rows[k].compared.mean.is_some())
+}
+
+/// The comparison in a form for `--export`: people get the settings side by side, programs the rows of `comparison.csv`.
+pub fn exported_table(keys: &[String], rows: &[ComparisonRow], form: Form) -> String {
+    if !form.for_people {
+        return form.text(&comparison_layout(keys), rows);
+    }
+    let settings: Vec<&[ComparisonRow]> = rows.chunks(METRIC_COUNT).collect();
+    let shown: Vec<usize> = (0..METRIC_COUNT).filter(|k| is_shown(*k, &settings)).collect();
+    let columns = key_columns(&head(keys, &settings), |row: &Vec<String>| row);
+    form.text(
+        &Layout::new(["comparison", "metric"], "Settings side by side", columns),
+        &side_by_side(&shown, &settings),
+    )
+}
+
 /// The tables for the terminal: a column per setting, a row per metric that differs anywhere, and what the second line of a
 /// cell means.
 pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> String {
     let mut text = String::new();
     let settings: Vec<&[ComparisonRow]> = rows.chunks(METRIC_COUNT).collect();
     let compared = |k: usize| settings.iter().map(move |rows| &rows[k].compared);
-    let shown = |k: &usize| !METRICS[*k].title.is_empty() && compared(*k).any(|metric| metric.mean.is_some());
+    let shown = |k: &usize| is_shown(*k, &settings);
     let is_same = |k: &usize| {
         let steady = compared(*k).all(|metric| metric.ci95.unwrap_or(0.0) == 0.0);
         settings.len() > 1 && steady && compared(*k).all(|metric| metric.mean == settings[0][*k].compared.mean)
@@ -44,14 +81,8 @@ pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> 
     for settings in settings.chunks(ABREAST) {
         let mut table = Table::new();
         table.load_style(presets::UTF8_FULL_CONDENSED);
-        let head = settings.iter().map(|rows| rows[0].values.join("\n"));
-        table.set_header([keys.join("\n")].into_iter().chain(head));
-        for &k in &different {
-            let metric = &METRICS[k];
-            let unit = if metric.unit.is_empty() { String::new() } else { format!(" [{}]", metric.unit) };
-            let title = format!("{}{unit}", metric.title);
-            table.add_row([title].into_iter().chain(settings.iter().map(|rows| cell(metric, &rows[k].compared))));
-        }
+        table.set_header(head(keys, settings));
+        table.add_rows(side_by_side(&different, settings));
         for column in table.column_iter_mut().skip(1) {
             column.set_cell_alignment(CellAlignment::Right);
         }
@@ -75,6 +106,8 @@ pub fn terminal_table(keys: &[String], seeds: usize, rows: &[ComparisonRow]) -> 
 mod tests {
     use super::super::comparison::tests::rows;
     use super::*;
+    use crate::output::FORMS;
+    use crate::registry::find;
 
     #[test]
     fn the_terminal_shows_means_differences_and_what_they_are() {
@@ -84,6 +117,22 @@ mod tests {
         assert!(text.contains("│ error RMS, mean [m/s]             ┆   2.000 ± 2.484 ┆    2.200 ± 2.733 │"), "{text}");
         assert!(text.contains("│                                   ┆                 ┆   +0.200 ± 0.248 │"), "{text}");
         assert!(lines.last().unwrap().starts_with("3 seeds."), "{text}");
+    }
+
+    #[test]
+    fn people_get_the_settings_side_by_side_and_programs_a_row_per_setting_and_metric() {
+        let (keys, rows) = (["controller.name".to_owned()], rows(&[1.0, 2.0, 3.0], &[1.1, 2.2, 3.3]));
+        let text = |form: &str| exported_table(&keys, &rows, find("form", FORMS, form).unwrap().build);
+        let markdown = text("md");
+        assert!(markdown.starts_with("| controller.name | ideal | classic |\n| :-- | :-- | :-- |\n"), "{markdown}");
+        let cells = "| error RMS, mean [m/s] | 2.000 ± 2.484 | 2.200 ± 2.733<br>+0.200 ± 0.248 |\n";
+        assert!(markdown.contains(cells), "{markdown}");
+        let objects: Vec<serde_json::Value> = serde_json::from_str(&text("json")).unwrap();
+        assert_eq!(objects.len(), 2 * METRIC_COUNT);
+        let rms = objects.iter().rfind(|object| object["metric"] == "error_rms").unwrap();
+        assert_eq!((rms["controller.name"].as_str(), rms["seeds"].as_u64()), (Some("classic"), Some(3)), "{rms}");
+        assert!((rms["mean"].as_f64().unwrap() - 2.2).abs() < 1e-12 && rms["diff_boot_low"].is_null(), "{rms}");
+        assert_eq!(text("csv").lines().count(), 1 + 2 * METRIC_COUNT);
     }
 
     #[test]

@@ -7,13 +7,13 @@ use std::{
 
 use miette::{Diagnostic, LabeledSpan, SourceCode};
 
-use crate::place::Place;
+use crate::{missing::did_you_mean, place::Place};
 
 /// Why SUMO's files cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SumoFileError {
     /// A file cannot be read.
-    #[error("{}: cannot be read: {reason}", path.display())]
+    #[error("{}: cannot be read: {reason}{}", path.display(), did_you_mean(path))]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -37,7 +37,7 @@ pub enum SumoFileError {
         message: String,
     },
     /// A file that is named but does not exist.
-    #[error("{place}: {key}: {} does not exist", path.display())]
+    #[error("{place}: {key}: {} does not exist{}", path.display(), did_you_mean(path))]
     MissingFile {
         /// Where it is named.
         place: Place,

@@ -11,6 +11,7 @@ use super::{
     path::absolute,
     xml::{Element, Xml},
 };
+use crate::missing::did_you_mean;
 
 /// Files that include each other this deep are a mistake.
 const DEPTH_MAX: usize = 16;
@@ -54,7 +55,7 @@ impl Files {
             if let Some(name) = element.attribute("href").filter(|_| element.name() == "include") {
                 let path = absolute(folder, Path::new(&name));
                 if !path.is_file() {
-                    return Err(format!("include: {} does not exist", path.display()));
+                    return Err(format!("include: {} does not exist{}", path.display(), did_you_mean(&path)));
                 }
                 included.push(path);
             }
