@@ -7,6 +7,7 @@ use super::results::Results;
 use super::row::Row;
 use crate::figure::Figure;
 use crate::page::{Cell, FigureView, Head, Section, TableView};
+use std::path::Path;
 
 /// A quantity beside a figure: the controller, its name in `results.csv`, and in words.
 type Quantity = (&'static str, &'static str, &'static str);
@@ -40,7 +41,7 @@ struct Chapter {
 const CHAPTERS: &[Chapter] = &[
     Chapter {
         test: "step",
-        title: "Section 5.1: steps of position",
+        title: "5.1 Steps",
         here: "From rest, 10 m/s from s = 0 and 20 m/s from s = 100 m; the paper gives neither heights nor places. Overshoot and undershoot are \
                relative to the target; settled means within 2 % of it until the next step or the end at 600 m, and of the torque within 5 % of \
                its largest value.",
@@ -100,7 +101,7 @@ const CHAPTERS: &[Chapter] = &[
     },
     Chapter {
         test: "sine",
-        title: "Section 5.2: sinusoid of position",
+        title: "5.2 Sinusoid",
         here: "From rest onto 15 m/s + 5 m/s sin(2π s/600 m), three wavelengths; the paper gives neither range nor wavelength, and no number. Its words speak \
                for a slow sinusoid: both laws do about the same, so neither is at its torque limit. Overshoot is taken in the first oscillation after the \
                reference was first reached; settled means within 5 % of the reference for the rest of it.",
@@ -129,10 +130,8 @@ const CHAPTERS: &[Chapter] = &[
     },
     Chapter {
         test: "driver",
-        title: "Section 5.3: a driver's recording",
-        here: "The paper's recording is not public, so neither curves nor errors can be the same: errors grow with what a recording asks for. Ours is a lap of \
-               SUMO's racing circuit, whose acceleration has an RMS of 1.8 m/s²; that of the EPA cycles UDDS and HWFET, below, is 0.6 and 0.3. \
-               The figures are of the drive without noise, the numbers means over 20 seeds of noise.",
+        title: "5.3 Driver's recording",
+        here: "The paper's recording is not public, so neither curves nor errors can be the same: errors grow with what a recording asks for.",
         figures: &[
             PaperFigure {
                 number: 8,
@@ -155,7 +154,7 @@ const CHAPTERS: &[Chapter] = &[
     },
     Chapter {
         test: "delay",
-        title: "Section 5.4: 250 ms between command and torque",
+        title: "5.4 Delay of 250 ms",
         here: "The recording again. The paper has no figure of it.",
         figures: &[],
         words: &[
@@ -165,6 +164,9 @@ const CHAPTERS: &[Chapter] = &[
         ],
     },
 ];
+
+const LAP: &str = "Ours is a lap of SUMO's racing circuit, whose acceleration has an RMS of 1.8 m/s²; that of the EPA cycles UDDS and HWFET, below, is 0.6 and 0.3.";
+const OF_DRIVES: &str = "The figures are of the drive without noise, the numbers means over 20 seeds of noise.";
 
 /// The columns of Table 2: our name, and the paper's.
 const TABLE_2: [(&str, &str); 3] =
@@ -180,6 +182,8 @@ pub struct Layout<'a> {
     pub results: &'a Results,
     /// All figures.
     pub found: &'a Finding,
+    /// Somebody's own recording, in place of ours.
+    pub recording: Option<&'a Path>,
 }
 
 impl Layout<'_> {
@@ -223,7 +227,12 @@ impl Layout<'_> {
             parts.push(part(&format!("{}-text", chapter.test), title, vec![words]));
         }
         parts.extend(self.other_recordings(chapter));
-        let text = if self.has(chapter.test) { chapter.here.to_owned() } else { not_driven(chapter.test) };
+        let text = match self.recording.filter(|_| chapter.test == "driver") {
+            _ if !self.has(chapter.test) => not_driven(chapter.test),
+            Some(own) => format!("{} Driven here: {}. {OF_DRIVES}", chapter.here, own.display()),
+            None if chapter.test == "driver" => format!("{} {LAP} {OF_DRIVES}", chapter.here),
+            None => chapter.here.to_owned(),
+        };
         Section { id: chapter.test.into(), title: chapter.title.into(), text: vec![text], parts, ..Section::default() }
     }
 

@@ -10,9 +10,6 @@ use super::results::Results;
 use super::verdict::Count;
 use crate::page::{Maker, Page, html};
 
-const PAPER: &str = "P. Polack, B. d'Andréa-Novel, M. Fliess, A. de La Fortelle, L. Menhour: Finite-Time Stabilization of Longitudinal Control for \
-                     Autonomous Vehicles via a Model-Free Approach, IFAC World Congress 2017";
-
 /// One HTML file with everything in it.
 ///
 /// # Errors
@@ -26,7 +23,7 @@ pub fn page(
 ) -> Result<String, minijinja::Error> {
     let ranked = ranked(presets, results);
     let (first, counts) = &ranked[0];
-    let layout = Layout { preset: first, results, found };
+    let layout = Layout { preset: first, results, found, recording: lab.driver.as_deref() };
     let mut page =
         Page { title: "Polack et al. 2017, reproduced".into(), about: about(first, counts), ..Page::default() };
     page.facts = facts(&ranked, lab);
@@ -55,8 +52,7 @@ fn about(preset: &Preset, [numbers, words]: &[Count; 2]) -> String {
 
 fn facts(ranked: &[Ranked], lab: &Lab) -> Vec<[String; 2]> {
     let (first, counts) = &ranked[0];
-    let mut facts = vec![["the paper".to_owned(), PAPER.to_owned()]];
-    facts.push([format!("preset {}", first.name), format!("{}. {}", first.title, first.why)]);
+    let mut facts = vec![[format!("preset {}", first.name), first.title.clone()]];
     if ranked.len() > 1 && total(counts).all() > 0 {
         let Count { reproduced, partly, .. } = total(counts);
         let why = format!(

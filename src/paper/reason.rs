@@ -80,7 +80,7 @@ pub fn why(row: &Row, results: &Results) -> String {
     let (value, within) = match published {
         Published::AtMost(bound) => {
             let side = if ours <= bound { "not above" } else { "above" };
-            return format!("{ours:.0} {} is {side} {bound} {}.", row.unit, row.unit);
+            return format!("{ours:.1} {} is {side} {bound} {}.", row.unit, row.unit);
         }
         Published::Number { value, within } => (value, within),
     };

@@ -46,6 +46,9 @@ const SHORT_SINE: &str = "sine_200m is a sinusoid of 200 m, which asks for 2.5 m
 const RECORDINGS: &str = "driver is the lap, straight; driver_path the same along the reconstructed path; driver_udds and driver_hwfet are the EPA driving \
      cycles. Under the preset default pid and calibrating drive too, with their own default gains.";
 
+const PAPER: &str = "The paper: P. Polack, B. d'Andréa-Novel, M. Fliess, A. de La Fortelle, L. Menhour: Finite-Time Stabilization of Longitudinal Control for \
+     Autonomous Vehicles via a Model-Free Approach, IFAC World Congress 2017.";
+
 /// Everything that the first part of the page does not show.
 pub fn section(layout: &Layout, ranked: &[Ranked], presets: &[&Preset]) -> Section {
     let (results, found) = (layout.results, layout.found);
@@ -68,8 +71,8 @@ pub fn section(layout: &Layout, ranked: &[Ranked], presets: &[&Preset]) -> Secti
     }
     Section {
         id: "rest".into(),
-        title: "The other presets, all numbers, and what lies beyond the paper".into(),
-        text: vec!["Folded; what is unfolded is printed too. Every number is in results.csv beside this page, what the figures show in series/.".into()],
+        title: "All presets and numbers".into(),
+        text: vec![PAPER.into(), "Folded below: the other presets, all numbers of each, and what lies beyond the paper. What is unfolded is printed too. Every number is in results.csv beside this page, what the figures show in series/.".into()],
         parts,
         ..Section::default()
     }
