@@ -138,7 +138,7 @@ const CHAPTERS: &[Chapter] = &[
                 what: "speed",
                 title: "speed",
                 caption: "Comparison of the longitudinal speeds between classic and adaptive model-free control on real driver reference data",
-                ours: "",
+                ours: "Its numbers are in Table 2.",
                 quantities: &[],
             },
             PaperFigure {
@@ -146,7 +146,7 @@ const CHAPTERS: &[Chapter] = &[
                 what: "error",
                 title: "speed error",
                 caption: "Comparison of the longitudinal speed errors (ground truth) between classic and adaptive model-free control on real driver reference data",
-                ours: "",
+                ours: "Its numbers are in Table 2.",
                 quantities: &[],
             },
         ],
@@ -274,7 +274,7 @@ impl Layout<'_> {
     fn errors(&self, id: &str, test: &str) -> TableView {
         let columns = TABLE_2.iter().flat_map(|(_, title)| {
             [
-                Head::number(format!("{title}, published"), "m/s"),
+                Head::number(format!("{title}: paper"), "m/s"),
                 Head::number("ours", "m/s, mean ± standard deviation over the seeds"),
             ]
         });
@@ -288,7 +288,7 @@ impl Layout<'_> {
                 cells.extend([Cell::number(reason::published(row)), reason::cell(row, self.results)]);
                 reasons.push(format!("{title} {verdict}: {}", reason::why(row, self.results)));
             }
-            cells.push(Cell::words(reasons.join(" ")));
+            cells.push(Cell::words(reasons.join("\n")));
             Some(cells)
         };
         TableView {
