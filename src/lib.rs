@@ -12,6 +12,7 @@
 //!    offline                                   vehicles along a profile, without SUMO
 //! 3  cosim                                     fleet <-> SUMO: the coupling contract
 //! 2  scenario                                  TOML (or a bare .sumocfg) -> checked SI values
+//!    page                                      sections, tables and figures -> one HTML file
 //! 1  sumo_files                                SUMO's configuration, options, demand, outputs
 //!    figure                                    charts, maps and tables as SVG
 //!    fleet                                     the closed loop on columns; where the modules of layer 0 meet
@@ -62,6 +63,8 @@ pub mod offline;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod output;
+#[cfg(feature = "sim")]
+mod page;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod paper;

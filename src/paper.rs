@@ -10,9 +10,13 @@ mod driver;
 mod error;
 mod lab;
 pub mod law;
+mod layout;
 pub mod library;
+mod overview;
 mod page;
 mod published;
+mod reason;
+mod rest;
 pub mod results;
 pub mod row;
 mod series;
@@ -149,6 +153,7 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
     }
     let results = Results { rows: whole.rows.clone(), text: whole.text.clone() };
     write(&dir.join("results.csv"), &results.to_csv())?;
-    write(&dir.join("index.html"), &page::page(lab, presets, &results, &whole))?;
+    let page = page::page(&request.test, lab, presets, &results, &whole)?;
+    write(&dir.join("index.html"), &page)?;
     Ok(results)
 }

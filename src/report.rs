@@ -1,8 +1,8 @@
 //! The result of a run or a study as one HTML page, made from the files of its folder alone.
 //!
 //! The way is one: the folder is read (`data`), numbers become sections of tables and figures (`run_page`, `study_page`),
-//! these are a `page::Page`, and a template makes HTML of it. Everything that the page says can be read
-//! without JavaScript; the script adds sorting, filtering, curves of a vehicle, and zoom.
+//! these are a `page::Page`, and its template makes HTML of it. The page's script adds sorting, filtering, curves of a vehicle,
+//! and zoom.
 
 mod compact;
 mod data;
@@ -12,7 +12,6 @@ mod fleet;
 mod groups;
 mod head;
 mod number;
-mod page;
 mod road_map;
 mod run_page;
 mod study_data;

@@ -67,6 +67,8 @@ pub struct Chart<'a> {
     pub curves: Vec<Curve>,
     /// Same scale on both axes (a map of a track).
     pub isotropic: bool,
+    /// A logarithmic vertical axis, for values above 0.
+    pub logarithmic: bool,
 }
 
 /// Widens the axis that is too narrow.
@@ -90,7 +92,8 @@ impl Figure {
         let margin = if chart.isotropic { 0.03 } else { 0.0 };
         let mut x = Scale::new(of_curves().map(|p| p.0).chain(of_bands(0)), LEFT, WIDTH - RIGHT, margin);
         let heights = of_curves().map(|p| p.1).chain(of_bands(1)).chain(of_bands(2));
-        let mut y = Scale::new(heights, bottom, top, 0.06);
+        let axis = if chart.logarithmic { Scale::logarithmic } else { Scale::new };
+        let mut y = axis(heights, bottom, top, 0.06);
         if chart.isotropic {
             make_isotropic(&mut x, &mut y);
         }

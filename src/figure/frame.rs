@@ -56,7 +56,8 @@ pub fn frame(title: &str, [x_label, y_label]: [&str; 2], x: &Scale, y: &Scale) -
         let (before, base) = (LEFT - 7.0, at + 4.0);
         let _ = write!(
             out,
-            "<text class=\"soft\" x=\"{before}\" y=\"{base:.1}\" text-anchor=\"end\">{tick:.digits$}</text>"
+            "<text class=\"soft\" x=\"{before}\" y=\"{base:.1}\" text-anchor=\"end\">{}</text>",
+            label(tick, digits, y.logarithmic)
         );
     }
     let _ = write!(out, "<line class=\"axis\" x1=\"{LEFT}\" x2=\"{right}\" y1=\"{bottom}\" y2=\"{bottom}\"/>");
@@ -70,6 +71,11 @@ pub fn frame(title: &str, [x_label, y_label]: [&str; 2], x: &Scale, y: &Scale) -
         escape(y_label)
     );
     out
+}
+
+/// A tick as text; on a logarithmic axis each has its own digits.
+fn label(tick: f64, digits: usize, logarithmic: bool) -> String {
+    if logarithmic { format!("{tick}") } else { format!("{tick:.digits$}") }
 }
 
 /// The entries of a legend, each with its place.

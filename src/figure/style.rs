@@ -13,7 +13,8 @@ const BASE: &str = "\
 .fig .mark{fill:none;stroke:#c2185b;stroke-width:3}.fig .cell{font-size:10px;fill:#14181f}\
 .fig .band{fill:currentColor;fill-opacity:.16;stroke:none}.fig .whisker{stroke:currentColor;stroke-width:1.6}\
 .fig .box{fill:currentColor;fill-opacity:.22;stroke:currentColor;stroke-width:1.4}\
-.fig .thin{stroke-width:1.1}.fig .road{stroke-width:3;stroke-linecap:round;vector-effect:non-scaling-stroke}\
+.fig .thin{stroke-width:1.1}.fig .level{stroke-width:1.3;stroke-dasharray:2 3}.fig .strip{stroke-width:9;stroke-opacity:.55}\
+.fig .road{stroke-width:3;stroke-linecap:round;vector-effect:non-scaling-stroke}\
 .fig .empty{stroke:#c9d0d9;stroke-width:1.2;vector-effect:non-scaling-stroke}\
 .fig .event{fill:#c2185b;stroke:#fff;stroke-width:1.5;vector-effect:non-scaling-stroke}.fig .full{fill:currentColor;stroke:none}\
 .fig .value{font-size:12px}\

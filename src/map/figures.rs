@@ -33,7 +33,7 @@ pub fn finding(map: &Map, preset: &str, mark: [f64; 3]) -> Finding {
     let summary = Summary::of(map);
     let mut finding = Finding {
         files: vec![("map_summary.csv", summary.to_csv())],
-        tables: vec![("map", summary.html())],
+        tables: summary.tables().map(|table| ("map", table)).into(),
         text: summary.text(),
         ..Finding::default()
     };

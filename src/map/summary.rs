@@ -4,6 +4,7 @@
 use super::cell::Cell;
 use super::grid::LAWS;
 use super::tuned::{Map, Tuned};
+use crate::page::{Cell as Field, Head, TableView};
 use std::fmt::Write;
 
 /// The laws whose lines the command prints; file and page have all.
@@ -160,23 +161,32 @@ impl Summary {
         LAWS.iter().filter_map(of).collect()
     }
 
-    /// As a part of the page.
-    pub fn html(&self) -> String {
-        let mut html = String::from(
-            "<h3>Each law against each other one, at equal tuning</h3><p>RMS error over that of the law in the column's head, each with the gains of its least error \
-             at the right torque scale: median (least &hellip; largest), number of conditions. A condition is a control period, a torque limit and a \
-             delay; it counts where the grid has both laws' scales and both came to the end.</p><div class=\"scroll\"><table><thead><tr><th>law</th><th>scale wrong by</th>",
-        );
-        LAWS.iter().for_each(|law| html += &format!("<th>over {law}</th>"));
-        html += "</tr></thead>";
-        for (law, factor, cells) in self.lines() {
-            let _ = write!(html, "<tr><td>{law}</td><td>{factor}</td>");
-            cells.iter().for_each(|cell| html += &format!("<td>{cell}</td>"));
-            html += "</tr>";
-        }
-        html += "</table></div><h3>Where each law is worst</h3><ul>";
-        self.worst().iter().for_each(|line| html += &format!("<li>{line}</li>"));
-        html + "</ul>"
+    /// As tables of the page.
+    pub fn tables(&self) -> [TableView; 2] {
+        let over = LAWS.iter().map(|law| Head::number(format!("over {law}"), "RMS error over that of this law"));
+        let heads =
+            [Head::text("law", ""), Head::number("scale wrong by", "factor on the torque scale, unknown to the law")];
+        let row = |(law, factor, cells): (&str, f64, [String; LAWS.len()])| {
+            let first = [Field::text(law), Field::number(factor.to_string())];
+            first.into_iter().chain(cells.into_iter().map(Field::number)).collect()
+        };
+        let compared = TableView {
+            id: "map-laws".into(),
+            caption: "Each law against each other one, at equal tuning: RMS error over that of the law in the column's head, each with the gains \
+                      of its least error at the right torque scale: median (least … largest), number of conditions. A condition is a \
+                      control period, a torque limit and a delay; it counts where the grid has both laws' scales and both came to the end."
+                .into(),
+            head: heads.into_iter().chain(over).collect(),
+            rows: self.lines().into_iter().map(row).collect(),
+            ..TableView::default()
+        };
+        let worst = TableView {
+            id: "map-worst".into(),
+            head: vec![Head::text("where each law is worst", "")],
+            rows: self.worst().into_iter().map(|line| vec![Field::words(line)]).collect(),
+            ..TableView::default()
+        };
+        [compared, worst]
     }
 
     /// As the end of what the command prints: the laws that adapt, and where each law is worst.

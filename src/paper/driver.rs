@@ -36,6 +36,7 @@ struct Driven {
     controller: &'static str,
     rows: Vec<Row>,
     exact: Vec<Moment>,
+    by_time: bool,
 }
 
 /// The driver test under one preset.
@@ -66,11 +67,12 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
     for Route { suffix, .. } in ROUTES {
         let (mine, others): (Vec<_>, Vec<_>) = driven.into_iter().partition(|d| d.suffix == *suffix);
         driven = others;
+        let by_time = mine.iter().any(|d| d.by_time);
         let (rows, mut drives): (Vec<_>, Vec<_>) = mine.into_iter().map(|d| (d.rows, (d.controller, d.exact))).unzip();
         drives.retain(|(law, _)| CONTROLLERS.contains(law));
         if !drives.is_empty() {
             let name = format!("{test}{suffix}");
-            let (figures, series) = (figures(preset, &name, &drives), Series::all(&name, preset, &drives));
+            let (figures, series) = (figures(preset, &name, &drives, by_time), Series::all(&name, preset, &drives));
             finding.extend(Finding { rows: rows.concat(), figures, series, ..Finding::default() });
         }
     }
@@ -139,10 +141,10 @@ fn drive(
         }
     });
     let mut driven = Vec::new();
-    for (((suffix, _), outcomes), exact) in roads.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
+    for (((suffix, road), outcomes), exact) in roads.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
         let name = format!("{test}{suffix}");
         let rows = Rows { test: &name, preset: &preset.name, controller }.errors(outcomes);
-        driven.push(Driven { suffix, controller, rows, exact });
+        driven.push(Driven { suffix, controller, rows, exact, by_time: road.profile.is_by_time() });
     }
     Ok(driven)
 }
@@ -162,18 +164,21 @@ pub fn beside_prompt(rows: &[Row]) -> Vec<Row> {
     rows.iter().filter(delayed).filter_map(beside).collect()
 }
 
-fn figures(preset: &Preset, name: &str, drives: &[(&'static str, Vec<Moment>)]) -> Vec<Figure> {
+/// Speed and error over what the recording is referenced by: the position, as in the paper, or the time where there are stops.
+fn figures(preset: &Preset, name: &str, drives: &[(&'static str, Vec<Moment>)], by_time: bool) -> Vec<Figure> {
+    let at = |m: &Moment| if by_time { m.time_s } else { m.distance_m };
+    let x = if by_time { "time [s]" } else { "distance s [m]" };
     let (mut speeds, mut errors) = (Vec::new(), Vec::new());
     if let Some((_, moments)) = drives.first() {
-        speeds.push(Curve::of("reference", moments.iter().map(|m| (m.time_s, m.reference_mps)).collect()));
+        speeds.push(Curve::of("reference", moments.iter().map(|m| (at(m), m.reference_mps)).collect()));
     }
     for (controller, moments) in drives {
-        speeds.push(Curve::of(controller, moments.iter().map(|m| (m.time_s, m.speed_mps)).collect()));
-        errors.push(Curve::of(controller, moments.iter().map(|m| (m.time_s, m.speed_mps - m.reference_mps)).collect()));
+        speeds.push(Curve::of(controller, moments.iter().map(|m| (at(m), m.speed_mps)).collect()));
+        errors.push(Curve::of(controller, moments.iter().map(|m| (at(m), m.speed_mps - m.reference_mps)).collect()));
     }
     let chart = |what: &str, y, curves| {
         let title = format!("Speed{}, {name}, preset {}", if what == "error" { " error" } else { "" }, preset.name);
-        let chart = Chart { title, x: "time [s]", y, curves, ..Chart::default() };
+        let chart = Chart { title, x, y, curves, ..Chart::default() };
         Figure::chart(&format!("{}_{name}_{what}", preset.name), &chart)
     };
     vec![chart("speed", "speed [m/s]", speeds), chart("error", "error [m/s]", errors)]

@@ -39,6 +39,9 @@ pub enum PaperError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Offline(Box<OfflineError>),
+    /// The page's own template.
+    #[error("the page's template: {0}")]
+    Template(#[from] minijinja::Error),
 }
 
 impl From<ScenarioError> for PaperError {

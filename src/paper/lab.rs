@@ -5,6 +5,7 @@ use super::row::Row;
 use super::series::Series;
 use crate::control;
 use crate::figure::Figure;
+use crate::page::TableView;
 use std::path::PathBuf;
 
 /// The controllers that the paper compares.
@@ -38,7 +39,7 @@ pub struct Finding {
     /// More files, by name.
     pub files: Vec<(&'static str, String)>,
     /// Tables of the page by the test that they belong to.
-    pub tables: Vec<(&'static str, String)>,
+    pub tables: Vec<(&'static str, TableView)>,
     /// The end of what the command prints.
     pub text: String,
 }

@@ -3,9 +3,10 @@
 use super::error::PaperError;
 use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
 use super::library::Preset;
+use super::published::published;
 use super::row::{Row, Rows};
 use super::series::Series;
-use crate::figure::{Chart, Curve, Figure};
+use crate::figure::{Chart, Curve, Figure, hue};
 use crate::offline::{End, Moment, Outcome, Road};
 
 /// Length of the test \[m\].
@@ -15,6 +16,11 @@ pub const BAND: f64 = 0.02;
 
 /// The torque has settled when it stays below this share of its largest value.
 const TORQUE_BAND: f64 = 0.05;
+
+/// Up to here alpha / alpha nominal is drawn as nominal.
+const NEARLY_NOMINAL: f64 = 1.05;
+/// Where the strip of the nominal gain is on the axis of alpha / alpha nominal.
+const STRIP_AT: f64 = 0.6;
 
 /// A constant target on a stretch of road.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +82,8 @@ fn torque_settling(torques: &[(f64, f64)], plateau: &Plateau) -> Option<f64> {
 
 /// Everything that the test shows about one controller.
 pub struct Drive {
+    /// The two steps.
+    pub steps: [Plateau; 2],
     /// The vehicle without noise, every period.
     pub exact: Vec<Moment>,
     /// Responses to both steps, of the vehicle without noise and then of each with.
@@ -128,7 +136,7 @@ pub fn drive(road: &Road, seeds: usize) -> Result<Drive, PaperError> {
     let nominal = nominal.iter().zip(&paths).map(|(n, path)| f64::from(*n) / path.len() as f64).collect();
     let responses = paths.iter().map(|path| steps.map(|step| response(path, &step))).collect();
     let torque_settling_m = torques.iter().map(|path| steps.map(|step| torque_settling(path, &step))).collect();
-    Ok(Drive { exact, responses, torque_settling_m, nominal, alpha_max, outcomes })
+    Ok(Drive { steps, exact, responses, torque_settling_m, nominal, alpha_max, outcomes })
 }
 
 /// The test under one preset.
@@ -137,16 +145,17 @@ pub fn drive(road: &Road, seeds: usize) -> Result<Drive, PaperError> {
 /// [`PaperError`] if the scenario cannot be read.
 pub fn run(lab: &Lab, preset: &Preset) -> Result<Finding, PaperError> {
     let mut drives = Vec::new();
-    let mut rows = Vec::new();
+    let (mut rows, mut steps) = (Vec::new(), Vec::new());
     for controller in CONTROLLERS {
         let scenario = lab.library.scenario("step", preset, controller, &[])?;
         let drive = drive(&Road::new(&scenario)?, SEEDS)?;
         rows.extend(numbers(&Rows { test: "step", preset: &preset.name, controller }, &drive));
         drives.push((controller, drive.exact));
+        steps.push(drive.steps);
     }
     Ok(Finding {
         rows,
-        figures: figures(preset, &drives),
+        figures: figures(preset, &steps[0], &drives),
         series: Series::all("step", preset, &drives),
         ..Finding::default()
     })
@@ -172,24 +181,72 @@ fn numbers(rows: &Rows, drive: &Drive) -> Vec<Row> {
     .concat()
 }
 
-fn figures(preset: &Preset, drives: &[(&'static str, Vec<Moment>)]) -> Vec<Figure> {
-    let chart = |what: &str, title: &str, y: &str, of: &dyn Fn(&Moment) -> f64| {
-        let curves = drives
-            .iter()
-            .map(|(name, moments)| Curve::of(name, moments.iter().map(|m| (m.distance_m, of(m))).collect()));
-        let reference = drives[0].1.iter().map(|m| (m.distance_m, m.reference_mps)).collect();
-        let reference = (what == "speed").then(|| Curve::of("reference", reference));
-        let title = format!("{title}, preset {}", preset.name);
-        let curves = reference.into_iter().chain(curves).collect();
-        Figure::chart(
-            &format!("{}_step_{what}", preset.name),
-            &Chart { title, x: "distance s [m]", y, curves, ..Chart::default() },
-        )
+/// Figures 2 to 5 of the paper. Of the speed and its error there are also the levels that the published overshoots mean for
+/// our targets.
+fn figures(preset: &Preset, steps: &[Plateau; 2], drives: &[(&'static str, Vec<Moment>)]) -> Vec<Figure> {
+    let along = |of: &dyn Fn(&Moment) -> f64| -> Vec<Curve> {
+        let curve = |(name, moments): &(&'static str, Vec<Moment>)| {
+            Curve::of(name, moments.iter().map(|m| (m.distance_m, of(m))).collect())
+        };
+        drives.iter().map(curve).collect()
     };
+    let chart = |what: &str, title: &str, y: &str, curves: Vec<Curve>| {
+        let title = format!("{title}, preset {}", preset.name);
+        let logarithmic = what == "alpha";
+        let chart = Chart { title, x: "distance s [m]", y, curves, logarithmic, ..Chart::default() };
+        Figure::chart(&format!("{}_step_{what}", preset.name), &chart)
+    };
+    let reference = Curve::of("reference", drives[0].1.iter().map(|m| (m.distance_m, m.reference_mps)).collect());
+    let speeds = [vec![reference], levels(steps, 1.0), along(&|m| m.speed_mps)].concat();
+    let errors = [levels(steps, 0.0), along(&|m| m.speed_mps - m.reference_mps)].concat();
+    let (torques, alphas) = (along(&|m| m.front_wheel_nm), drives.iter().find(|(name, _)| *name == "adaptive"));
     vec![
-        chart("speed", "Speed, steps of position", "speed [m/s]", &|m| m.speed_mps),
-        chart("error", "Speed error, steps of position", "error [m/s]", &|m| m.speed_mps - m.reference_mps),
-        chart("torque", "Torque of one front wheel, steps of position", "torque [N m]", &|m| m.front_wheel_nm),
-        chart("alpha", "Adapted gain, steps of position", "alpha / alpha nominal", &|m| m.alpha_ratio),
+        chart("speed", "Speed, steps of position", "speed [m/s]", speeds),
+        chart("error", "Speed error, steps of position", "error [m/s]", errors),
+        chart("torque", "Torque of one front wheel, steps of position", "torque [N m]", torques),
+        chart("alpha", "Adapted gain, steps of position", "alpha / alpha nominal", alpha(alphas.map_or(&[], |a| &a.1))),
     ]
+}
+
+/// How high the published overshoots reach above `base` times the targets.
+fn levels(steps: &[Plateau; 2], base: f64) -> Vec<Curve> {
+    let mut curves = Vec::new();
+    for (place, controller) in CONTROLLERS.into_iter().enumerate() {
+        for (plateau, quantity) in steps.iter().zip(["overshoot_1", "overshoot_2"]) {
+            let Some(published) = published("step", controller, quantity) else { continue };
+            let level = plateau.target_mps * (base + 0.01 * published.number());
+            let name = if quantity == "overshoot_1" { format!("published, {controller}") } else { String::new() };
+            let points = vec![(plateau.from_m, level), (plateau.to_m, level)];
+            curves.push(Curve::of(&name, points).in_style(&format!("{} level", hue(controller, place))));
+        }
+    }
+    curves
+}
+
+/// The adapted gain, with a strip below that is there where it is nominal: a curve that lies on its lowest value cannot be told
+/// from one that is close to it.
+fn alpha(moments: &[Moment]) -> Vec<Curve> {
+    let near = |m: &Moment| m.alpha_ratio <= NEARLY_NOMINAL;
+    let share = |is: &dyn Fn(&Moment) -> bool| {
+        100.0 * moments.iter().filter(|m| is(m)).count() as f64 / moments.len().max(1) as f64
+    };
+    let name = format!(
+        "nominal {:.0} % of the time, within 5 % of it {:.0} %",
+        share(&|m| m.alpha_ratio == 1.0),
+        share(&near)
+    );
+    let style = format!("{} strip", hue("adaptive", 1));
+    let strip = |run: &[Moment]| {
+        let [first, .., last] = run else { return None };
+        let ends = [first, last].map(|m| (m.distance_m, STRIP_AT));
+        near(first).then(|| Curve::of("", ends.to_vec()).in_style(&style))
+    };
+    let mut strips: Vec<Curve> = moments.chunk_by(|a, b| near(a) == near(b)).filter_map(strip).collect();
+    if let Some(first) = strips.first_mut() {
+        first.name = name;
+    }
+    let ends = moments.first().zip(moments.last()).map(|(a, b)| vec![(a.distance_m, 1.0), (b.distance_m, 1.0)]);
+    let nominal = Curve::of("alpha nominal", ends.unwrap_or_default()).in_style("reference");
+    let adapted = Curve::of("adaptive", moments.iter().map(|m| (m.distance_m, m.alpha_ratio)).collect());
+    strips.into_iter().chain([nominal, adapted]).collect()
 }

@@ -3,9 +3,9 @@
 use super::data::RunData;
 use super::groups::{Group, NAMES, quantile};
 use super::number::counted;
-use super::page::FigureView;
 use super::table::ColumnInfo;
 use crate::figure::{Chart, Curve, Figure, Span, Spans, Tracks};
+use crate::page::FigureView;
 use std::collections::BTreeMap;
 
 /// Corners of a distribution's curve.

@@ -4,8 +4,8 @@ use super::data::RunData;
 use super::figures::differences;
 use super::groups::NAMES;
 use super::number::{or_dash, sensible, signed};
-use super::page::{Cell, FigureView, Head, TableView};
 use super::table::{ColumnInfo, Table};
+use crate::page::{Cell, FigureView, Head, TableView};
 use crate::run::Spread;
 use std::collections::HashMap;
 

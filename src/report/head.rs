@@ -2,7 +2,7 @@
 
 use super::data::RunData;
 use super::number::sensible;
-use super::page::Page;
+use crate::page::Page;
 use crate::run::Status;
 
 /// The name of a result: its folder's.

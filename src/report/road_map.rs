@@ -1,9 +1,9 @@
 //! The network, its roads coloured by what happened on them.
 
 use super::data::RunData;
-use super::page::FigureView;
 use super::table::Table;
 use crate::figure::{Event, Figure, Ramp, Road, Roads};
+use crate::page::FigureView;
 use crate::sumo_files::{Incident, NetworkRoad};
 use std::collections::BTreeMap;
 

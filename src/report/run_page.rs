@@ -7,10 +7,10 @@ use super::fleet::{counts, fleet, side_by_side};
 use super::groups::{NAMES, groups};
 use super::head;
 use super::number::counted;
-use super::page::{Cell, Head, Page, Section, TableView};
 use super::road_map::maps;
 use super::traces;
 use super::vehicles;
+use crate::page::{Cell, Head, Page, Section, TableView};
 use crate::registry::nearest;
 use std::collections::BTreeMap;
 

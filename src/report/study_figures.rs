@@ -1,9 +1,9 @@
 //! Figures of a study: differences with their intervals, curves over one varied key, maps over two.
 
 use super::figures::lower;
-use super::page::FigureView;
 use super::study_data::{Compared, StudyData};
 use crate::figure::{Band, Chart, Curve, Figure, Matrix, Span, Spans, hue};
+use crate::page::FigureView;
 
 /// Settings beside each other in one figure; more could not be read.
 const SETTINGS: usize = 40;
@@ -152,7 +152,7 @@ pub fn curves(study: &StudyData, metric: &MetricRows, key: usize) -> Option<Figu
         drawn.push(Curve::of(&name, line).in_style(&style));
     }
     let title = format!("{} over {}", metric.words, keys[key]);
-    let chart = Chart { title, x: &keys[key], y: &metric.axis, bands, curves: drawn, isotropic: false };
+    let chart = Chart { title, x: &keys[key], y: &metric.axis, bands, curves: drawn, ..Chart::default() };
     let figure = Figure::chart(&format!("curve_{}_{}", metric.name, stem(&keys[key])), &chart);
     let rest =
         if left_out > 0 { format!(" {left_out} more settings of the other keys are left out.") } else { String::new() };

@@ -3,9 +3,9 @@
 use super::groups::NAMES;
 use super::head::{folder_name, quoted};
 use super::number::{self, counted, or_dash, sensible};
-use super::page::{Cell, Head, Page, Section, TableView};
 use super::study_data::{Compared, StudyData};
 use super::study_figures::{MetricRows, curves, divides, intervals, matrices};
+use crate::page::{Cell, Head, Page, Section, TableView};
 
 /// Metrics whose tables and figures are open.
 const OPEN: [&str; 5] = ["error_rms_mean", "speed_gap_rms_mean", "timeloss_mean", "energy_per_km_mean", "collisions"];

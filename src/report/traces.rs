@@ -5,9 +5,9 @@ use super::data::RunData;
 use super::figures::lower;
 use super::groups::NAMES;
 use super::number::counted;
-use super::page::FigureView;
 use super::table::{Column, ColumnInfo, Table, Values};
 use crate::figure::{Chart, Curve, Figure};
+use crate::page::FigureView;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

@@ -4,8 +4,8 @@ use super::compact::packed;
 use super::data::RunData;
 use super::groups::NAMES;
 use super::number::{counted, sensible};
-use super::page::{Cell, Head, TableView};
 use super::table::{Column, ColumnInfo, Table, Values};
+use crate::page::{Cell, Head, TableView};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 

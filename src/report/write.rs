@@ -2,11 +2,11 @@
 
 use super::data::RunData;
 use super::error::ReportError;
-use super::page::{Page, html};
 use super::run_page;
 use super::study_data::{STUDY, StudyData};
 use super::study_page;
 use crate::output::write_whole;
+use crate::page::{Maker, Page, Section, html};
 use crate::run::MANIFEST;
 use std::path::{Path, PathBuf};
 
@@ -46,10 +46,11 @@ pub fn report(request: &Request) -> Result<Written, ReportError> {
         Some(_) => path.with_extension(""),
         None => path.with_extension("figures"),
     };
-    for figure in page.sections.iter().flat_map(|section| &section.figures) {
+    for figure in page.sections.iter().flat_map(Section::all_figures) {
         write_whole(&figures.join(format!("{}.svg", figure.name)), &figure.file)?;
     }
-    write_whole(&path, &html(&page)?)?;
+    let folder = figures.file_name().unwrap_or_default().to_string_lossy();
+    write_whole(&path, &html(&page, &Maker { command: "report", figures: &folder })?)?;
     Ok(Written { page: path, figures })
 }
 

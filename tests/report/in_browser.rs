@@ -10,22 +10,22 @@ use crate::browser::Browser;
 use crate::results::{HOSTILE, city, copied, multiplied, report, study, with_vehicles};
 use crate::support::{number, table};
 
-const DESK: [u32; 2] = [1280, 900];
-const PHONE: [u32; 2] = [390, 844];
+pub const DESK: [u32; 2] = [1280, 900];
+pub const PHONE: [u32; 2] = [390, 844];
 
 /// The first column of the rows that the table shows.
 const IDS: &str = "[...document.querySelectorAll('#vehicles-table tbody tr')].map((row) => row.cells[0].textContent)";
 const COUNT: &str = "document.getElementById('count').textContent";
 
 #[track_caller]
-fn assert_quiet(browser: &mut Browser) {
+pub fn assert_quiet(browser: &mut Browser) {
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
 
 /// Makes the browser's page as wide as it is on a phone, and checks that nothing but tables and figures in boxes of their
 /// own goes beyond it.
 #[track_caller]
-fn assert_fits_a_phone(browser: &mut Browser) {
+pub fn assert_fits_a_phone(browser: &mut Browser) {
     browser.emulate(PHONE, false);
     browser.js("new Promise((done) => setTimeout(done, 300))");
     assert_eq!(browser.js("document.documentElement.scrollWidth"), json!(PHONE[0]));

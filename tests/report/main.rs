@@ -2,6 +2,7 @@
 
 mod browser;
 mod in_browser;
+mod paper_page;
 mod results;
 #[path = "../live/support.rs"]
 #[allow(dead_code)]

@@ -59,6 +59,23 @@ pub fn study() -> &'static Path {
     })
 }
 
+/// All of the paper's tests under the preset that meets the most, on a short recording: ours take long.
+pub fn paper() -> &'static Path {
+    static PAPER: Kept = Kept(OnceLock::new());
+    PAPER.get("paper", |dir| {
+        fs::create_dir_all(dir).unwrap();
+        let recording = dir.join("short.csv");
+        let speed = |t: f64| 12.0 + 4.0 * (0.5 * t).sin();
+        let rows = (0..=300).map(|k| 0.1 * f64::from(k)).map(|t| format!("{t},{},0,0.01\n", speed(t)));
+        fs::write(&recording, format!("t_s,vx_mps,vy_mps,yaw_rate_radps\n{}", rows.collect::<String>())).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_sumo-mfc"));
+        command.current_dir(env!("CARGO_MANIFEST_DIR")).args(["paper", "all", "--preset", "best", "--driver"]);
+        command.arg(&recording).arg("-o").arg(dir);
+        let ended = Running::start(command).wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    })
+}
+
 /// A copy of a result, to be changed.
 pub fn copied(dir: &Path) -> TempDir {
     fn copy(from: &Path, to: &Path) {

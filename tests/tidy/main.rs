@@ -23,6 +23,7 @@ const LAYERS: &[(&str, u8)] = &[
     ("fleet", 1),
     ("sumo_files", 1),
     ("scenario", 2),
+    ("page", 2),
     ("cosim", 3),
     ("run", 4),
     ("offline", 4),

@@ -1,17 +1,18 @@
-//! What a page says, and the template that makes HTML of it.
+//! What a page says, and the template that makes HTML of it: the report's pages and the paper's are made here.
+//!
+//! A page is one file that asks nobody for anything. Everything that it says can be read without JavaScript.
 
-use super::error::ReportError;
 use crate::figure::{Figure, style};
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 use serde::Serialize;
 
-const TEMPLATE: &str = include_str!("templates/page.html");
-const STYLE: &str = include_str!("templates/style.css");
-const SCRIPT: &str = include_str!("templates/report.js");
-const CHART_SCRIPT: &str = include_str!("templates/uplot/uPlot.iife.min.js");
-const CHART_STYLE: &str = include_str!("templates/uplot/uPlot.min.css");
-const CHART_LICENCE: &str = include_str!("templates/uplot/LICENSE");
+const TEMPLATE: &str = include_str!("page/templates/page.html");
+const STYLE: &str = include_str!("page/templates/style.css");
+const SCRIPT: &str = include_str!("page/templates/report.js");
+const CHART_SCRIPT: &str = include_str!("page/templates/uplot/uPlot.iife.min.js");
+const CHART_STYLE: &str = include_str!("page/templates/uplot/uPlot.min.css");
+const CHART_LICENCE: &str = include_str!("page/templates/uplot/LICENSE");
 
 /// A page.
 #[derive(Debug, Default, Serialize)]
@@ -54,9 +55,23 @@ pub struct Section {
     pub nested: bool,
     /// Folded below its title.
     pub folded: bool,
+    /// The figures stand first, and the tables beside them where there is room.
+    pub beside: bool,
+    /// Smaller parts.
+    pub parts: Vec<Section>,
 }
 
-/// A cell: its text, and a class that says how it is shown (`text`, `yes`, `no`, or nothing for numbers).
+impl Section {
+    /// All figures, those of its parts included.
+    pub fn all_figures(&self) -> impl Iterator<Item = &FigureView> {
+        let of_parts: Vec<&FigureView> =
+            self.parts.iter().flat_map(|part| part.all_figures().collect::<Vec<_>>()).collect();
+        self.figures.iter().chain(of_parts)
+    }
+}
+
+/// A cell: its text, and classes that say how it is shown (`text`, `words` for whole sentences, nothing for numbers; `yes`,
+/// `part`, `no` for verdicts, `bad`, `sure`).
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Cell {
     /// What it says.
@@ -74,6 +89,17 @@ impl Cell {
     /// A number.
     pub fn number(text: impl Into<String>) -> Self {
         Self { text: text.into(), class: "" }
+    }
+
+    /// A sentence.
+    pub fn words(text: impl Into<String>) -> Self {
+        Self { text: text.into(), class: "text words" }
+    }
+
+    /// In another class.
+    #[must_use]
+    pub fn shown_as(self, class: &'static str) -> Self {
+        Self { class, ..self }
     }
 }
 
@@ -101,7 +127,7 @@ impl Head {
 }
 
 /// A table.
-#[derive(Debug, Default, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct TableView {
     /// Its id, for the script and the tests.
     pub id: String,
@@ -155,18 +181,34 @@ impl FigureView {
     }
 }
 
+/// Whether there is something for the script to do.
+fn needs_script(page: &Page) -> bool {
+    page.data.is_some() || page.sections.iter().flat_map(Section::all_figures).any(|figure| figure.zoom)
+}
+
+/// Who makes a page.
+#[derive(Debug, Clone, Copy)]
+pub struct Maker<'a> {
+    /// The command: `report`, `paper`.
+    pub command: &'a str,
+    /// The folder beside the page that has its figures as files.
+    pub figures: &'a str,
+}
+
 /// The page as HTML.
 ///
 /// # Errors
-/// [`ReportError::Template`] if the template is wrong.
-pub fn html(page: &Page) -> Result<String, ReportError> {
+/// If the template is wrong.
+pub fn html(page: &Page, maker: &Maker) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.add_template("page.html", TEMPLATE)?;
     // In JSON `<` stands only in texts. Written as an escape it can neither end the script nor begin a comment.
     let data = page.data.as_ref().map(|data| data.replace('<', "\\u003c"));
     let safe = |text: &str| Value::from_safe_string(text.to_owned());
     let licence = CHART_LICENCE.replace("*/", "* /");
-    let html = environment.get_template("page.html")?.render(context! {
+    environment.get_template("page.html")?.render(context! {
+        command => maker.command,
+        figures => maker.figures,
         page => Value::from(Serde(page)),
         version => env!("CARGO_PKG_VERSION"),
         style => safe(STYLE),
@@ -174,8 +216,7 @@ pub fn html(page: &Page) -> Result<String, ReportError> {
         chart_style => safe(CHART_STYLE),
         chart_licence => safe(&licence),
         chart_script => safe(CHART_SCRIPT),
-        script => safe(SCRIPT),
+        script => needs_script(page).then(|| safe(SCRIPT)),
         data => data.map(Value::from_safe_string),
-    })?;
-    Ok(html)
+    })
 }
