@@ -89,6 +89,11 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
         "map" => Vec::new(),
         name => vec![find("test", TESTS, name).map_err(|unknown| unknown.or_known(&["map", "all"]))?],
     };
+    if let Some(own) = &request.driver {
+        // Before anything is written.
+        let unreadable = |source| PaperError::File { action: "read", path: own.clone(), source };
+        std::fs::File::open(own).map_err(unreadable)?;
+    }
     let library = Library::open(&request.out_dir.join("scenarios"), &request.sets)?;
     let lab = Lab { library, driver: request.driver.clone() };
     let presets: Vec<&Preset> = match &request.preset {

@@ -111,7 +111,7 @@ fn misspelt_subcommands_and_names_are_told_with_the_nearest() {
         (&["paper", "sime"], "\"sine\""),
         (&["paper", "mapp"], "\"map\""),
         (&["sweep", "scenario.toml", "--executor", "slrum"], "\"slurm\""),
-        (&["list", "--export", "cvs"], "'csv'"),
+        (&["list", "--export", "cvs"], "csv]"),
     ] {
         let folder = folder();
         let output = command(&folder, arguments).output().unwrap();

@@ -14,8 +14,8 @@ use serde_json::Value;
 use support::{Ended, NEW, Running, program, repository, table};
 
 /// The subcommands that `--help` shows.
-const SUBCOMMANDS: [&str; 10] =
-    ["run", "compare", "sweep", "report", "check", "paper", "list", "doctor", "completions", "man"];
+const SUBCOMMANDS: [&str; 11] =
+    ["run", "compare", "sweep", "report", "recover", "check", "paper", "list", "doctor", "completions", "man"];
 
 fn call(args: &[&str]) -> Ended {
     let mut command = program(NEW);
@@ -56,7 +56,9 @@ fn help_is_in_groups_and_has_examples_and_defaults() {
             .collect();
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}\n{run}");
     for default in ["or adaptive]", "[default: vehicles.csv]", "[default: all cores]"] {
-        assert!(run.contains(default), "{default}:\n{run}");
+        // Long lines are wrapped.
+        let words = run.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(default), "{default}:\n{run}");
     }
 }
 
@@ -68,7 +70,7 @@ fn bash_completes_subcommands_options_and_values() {
     let complete = |words: &[&str]| {
         let (last, before) = (words[words.len() - 1], words[words.len() - 2]);
         let line = format!(
-            "source {}; COMP_WORDS=({}); COMP_CWORD={}; _sumo-mfc sumo-mfc {last:?} {before:?}; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+            "source {}; COMP_WORDS=({}); COMP_CWORD={}; _sumo_mfc sumo-mfc {last:?} {before:?}; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
             script.display(),
             words.iter().map(|word| format!("{word:?}")).collect::<Vec<_>>().join(" "),
             words.len() - 1,
@@ -82,6 +84,9 @@ fn bash_completes_subcommands_options_and_values() {
     assert_eq!(complete(&["sumo-mfc", "run", "--cont"]), ["--controller"]);
     assert_eq!(complete(&["sumo-mfc", "sweep", "--export", "m"]), ["md"]);
     assert_eq!(complete(&["sumo-mfc", "completions", "el"]), ["elvish"]);
+    let registered =
+        printed(&["completions", "bash"]).lines().filter(|line| line.trim().starts_with("complete -F")).count();
+    assert_eq!(registered, fs::read_to_string(&script).unwrap().matches("-o default sumo-mfc\n").count());
     let all = complete(&["sumo-mfc", ""]);
     assert!(SUBCOMMANDS.iter().all(|name| all.iter().any(|word| word == name)), "{all:?}");
     assert!(!all.iter().any(|word| word.contains("slurm")), "{all:?}");
@@ -116,15 +121,28 @@ fn manual_pages_are_clean_roff() {
             "{name}: {}",
             String::from_utf8_lossy(&output.stderr)
         );
-        pages.push(String::from_utf8(output.stdout).unwrap());
+        pages.push(plain(&String::from_utf8(output.stdout).unwrap()));
     }
     let page = &pages[names.iter().position(|name| name == "sumo-mfc-run.1").unwrap()];
     for part in ["NAME", "CONTROLLER AND EGOS", "EXAMPLES", "-- --scale 1.5", "--trace-period"] {
-        // Bold letters come with escapes between the words only.
         assert!(page.contains(part), "no {part}:\n{page}");
     }
     // An example is a line of its own, as in --help.
     assert!(page.lines().filter(|line| line.trim_start().starts_with("sumo-mfc run ")).count() >= 4, "{page}");
+}
+
+/// Text of a terminal without bold: some systems strike letters twice, others write escapes around them.
+fn plain(text: &str) -> String {
+    let mut plain = String::new();
+    let mut letters = text.chars();
+    while let Some(letter) = letters.next() {
+        match letter {
+            '\u{8}' => drop(plain.pop()),
+            '\u{1b}' => drop(letters.by_ref().find(|end| *end == 'm')),
+            _ => plain.push(letter),
+        }
+    }
+    plain
 }
 
 /// A table of GitHub's Markdown: its cells.
@@ -242,11 +260,11 @@ fn quiet_is_quiet() {
 #[test]
 fn the_table_of_the_paper_in_every_form() {
     let folder = tempfile::tempdir().unwrap();
-    let paper = ["paper", "sine", "--preset", "default", "-o", folder.path().to_str().unwrap()];
+    let paper = ["paper", "step", "--preset", "default", "-o", folder.path().to_str().unwrap()];
     let lines = printed(&paper).lines().filter(|line| line.contains(" published ")).count();
     let json = objects(&printed(&[&paper[..], &["--export", "json"]].concat()));
     assert!(lines > 0 && json.len() == lines, "{lines} {json:?}");
-    assert!(json.iter().all(|row| row["published"].is_f64() && row["test"] == "sine"), "{json:?}");
+    assert!(json.iter().all(|row| row["published"].is_f64() && row["test"] == "step"), "{json:?}");
     let csv = csv_rows(&printed(&[&paper[..], &["--export", "csv"]].concat()));
     assert_eq!(csv.len(), 1 + lines);
     assert_eq!(csv[1][4].parse::<f64>().ok(), json[0]["value"].as_f64());

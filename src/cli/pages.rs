@@ -15,6 +15,9 @@ use super::{
 };
 use crate::output::{OutputError, file_error, write_whole};
 
+/// The program in the names of bash's functions.
+const BASH_NAME: &str = "sumo_mfc";
+
 /// The completions of a shell.
 pub fn completions(shell: Shell) -> String {
     let all = Cli::command();
@@ -23,8 +26,13 @@ pub fn completions(shell: Shell) -> String {
     let program = Command::new(PROGRAM).disable_version_flag(true).disable_help_flag(true);
     let mut program = program.args(all.get_arguments().cloned()).subcommands(visible);
     let mut text = Vec::new();
-    clap_complete::generate(shell, &mut program, PROGRAM, &mut text);
-    String::from_utf8_lossy(&text).into_owned()
+    if shell != Shell::Bash {
+        clap_complete::generate(shell, &mut program, PROGRAM, &mut text);
+        return String::from_utf8_lossy(&text).into_owned();
+    }
+    // For bash clap_complete (4.6) writes a name with a hyphen in two ways that do not meet.
+    clap_complete::generate(shell, &mut program.name(BASH_NAME), BASH_NAME, &mut text);
+    String::from_utf8_lossy(&text).replace(&format!(" {BASH_NAME}\n"), &format!(" {PROGRAM}\n"))
 }
 
 /// The manual page of the program.

@@ -123,18 +123,18 @@ fn the_recipe_of_the_container_gives_a_program_that_runs_sumo() {
     let unpacked = fs::read_dir(root.path("opt")).unwrap().flatten().map(|entry| entry.file_name());
     let unpacked = unpacked.map(|name| name.into_string().unwrap()).find(|name| name.starts_with("sumo-mfc-")).unwrap();
     let scenario = format!("/opt/{unpacked}/scenarios/straight.toml");
-    well(call(&["run", &scenario, "-o", "/work/result"]));
-    let rows = support::table(&root.path("work/result/vehicles.csv"));
+    well(call(&["run", &scenario, "-o", "/data/result"]));
+    let rows = support::table(&root.path("data/result/vehicles.csv"));
     assert_eq!((rows.len(), rows[0]["reason"].as_str()), (1, "arrived"));
-    assert!(root.path("work/result/report.html").is_file());
+    assert!(root.path("data/result/report.html").is_file());
     // The static program computes the bytes that the one with glibc does.
     let here = support::run(support::NEW, &repository("scenarios/straight.toml"), &["--no-report"]);
     for name in ["vehicles.csv", "quality.csv", "sample.csv"] {
-        assert!(fs::read(root.path("work/result").join(name)).unwrap() == here.bytes(name), "{name} differs");
+        assert!(fs::read(root.path("data/result").join(name)).unwrap() == here.bytes(name), "{name} differs");
     }
     // A study starts the program itself, by its own path.
-    well(call(&["compare", &scenario, "--controllers", "ideal,pid", "--seeds", "1", "-q", "-o", "/work/study"]));
-    assert_eq!(support::table(&root.path("work/study/cases.csv")).len(), 2);
+    well(call(&["compare", &scenario, "--controllers", "ideal,pid", "--seeds", "1", "-q", "-o", "/data/study"]));
+    assert_eq!(support::table(&root.path("data/study/cases.csv")).len(), 2);
 }
 
 #[track_caller]
