@@ -1,6 +1,24 @@
 //! SUMO's options: their long names, which of them name files, and how their values are written.
 
-use std::{collections::BTreeMap, ops::Range};
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::Range,
+    sync::LazyLock,
+};
+
+/// Options that name inputs or settings, one on a line with its synonyms: all that SUMO 1.15 and 1.28 have
+/// (`sumo --save-template`) but [`OUTPUTS`] and [`REFUSED`].
+const SETTINGS: &str = include_str!("settings.txt");
+
+/// Options with which SUMO writes a file, or prints something, and ends without simulating.
+const REFUSED: &[(&str, &[&str])] = &[
+    ("save-configuration", &["C", "save-config"]),
+    ("save-template", &[]),
+    ("save-schema", &[]),
+    ("help", &["?"]),
+    ("version", &["V"]),
+    ("print-options", &[]),
+];
 
 /// Options that name files to write, with their synonyms (SUMO 1.15 to 1.28). Newer options that end in `-output` are
 /// recognised by that.
@@ -15,6 +33,8 @@ pub(super) const OUTPUTS: &[(&str, &[&str])] = &[
     ("statistic-output", &["statistics-output"]),
     ("save-state.prefix", &[]),
     ("save-state.files", &[]),
+    ("pedestrian.jupedsim.wkt", &[]),
+    ("pedestrian.jupedsim.py", &[]),
     ("device.rerouting.output", &[]),
     ("device.taxi.dispatch-algorithm.output", &[]),
     ("device.taxi.idle-algorithm.output", &[]),
@@ -27,45 +47,67 @@ pub(super) const OUTPUTS: &[(&str, &[&str])] = &[
 ];
 
 /// Options that name files to read on which the results depend.
-pub(super) const INPUTS: &[(&str, &[&str])] = &[
-    ("net-file", &["n", "net"]),
-    ("route-files", &["r", "routes"]),
-    ("additional-files", &["a", "additional"]),
-    ("weight-files", &["w", "weights"]),
-    ("load-state", &[]),
-];
+pub(super) const INPUTS: [&str; 5] = ["net-file", "route-files", "additional-files", "weight-files", "load-state"];
 
-/// Other options that matter here.
-const OTHERS: &[(&str, &[&str])] = &[
-    ("configuration-file", &["c", "configuration"]),
-    ("begin", &["b"]),
-    ("end", &["e"]),
-    ("seed", &["srand"]),
-    ("random", &["abs-rand"]),
-    ("step-length", &[]),
-    ("mesosim", &[]),
-    ("num-clients", &[]),
-    ("step-method.ballistic", &[]),
-    ("output-prefix", &[]),
-    ("output-suffix", &[]),
-    ("no-step-log", &[]),
-    ("start", &["S"]),
-    ("quit-on-end", &["Q"]),
-];
+/// What an option does with files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Effect {
+    /// It reads a file, or names none.
+    Reads,
+    /// It names files to write.
+    Writes,
+    /// With it SUMO does not simulate.
+    Refused,
+    /// SUMO 1.15 to 1.28 do not have it.
+    Unknown,
+}
+
+/// The long names of all names that are known.
+static LONG_NAMES: LazyLock<HashMap<&str, &str>> = LazyLock::new(|| {
+    let settings = SETTINGS.lines().filter_map(|line| {
+        let mut names = line.split(' ');
+        Some((names.next()?, names.collect::<Vec<_>>()))
+    });
+    let others = [OUTPUTS, REFUSED].into_iter().flatten().map(|(long, synonyms)| (*long, synonyms.to_vec()));
+    settings.chain(others).flat_map(|(long, names)| names.into_iter().chain([long]).map(move |n| (n, long))).collect()
+});
 
 /// The long name of an option.
 pub(super) fn canonical(name: &str) -> &str {
-    [OUTPUTS, INPUTS, OTHERS]
-        .into_iter()
-        .flatten()
-        .find(|(long, synonyms)| *long == name || synonyms.contains(&name))
-        .map_or(name, |(long, _)| long)
+    LONG_NAMES.get(name).copied().unwrap_or(name)
 }
 
 /// Whether an option (by its long name) names files to write.
 pub(super) fn writes(name: &str) -> bool {
-    name.ends_with("-output") || OUTPUTS.iter().any(|(long, _)| *long == name)
+    [".output", "-output"].iter().any(|end| name.ends_with(end)) || OUTPUTS.iter().any(|(long, _)| *long == name)
 }
+
+/// What an option (by its long name) does with files.
+pub(super) fn effect(name: &str) -> Effect {
+    match LONG_NAMES.contains_key(name) {
+        _ if writes(name) => Effect::Writes,
+        _ if REFUSED.iter().any(|(long, _)| *long == name) => Effect::Refused,
+        true => Effect::Reads,
+        false => Effect::Unknown,
+    }
+}
+
+/// What is wanted of an option (by its long name) of somebody who may write below the results only; `None` if it is fine.
+pub(super) fn objection(name: &str, value: &str) -> Option<&'static str> {
+    // A number, a switch or a word. A file name has a folder or an ending.
+    let plain = value.parse::<f64>().is_ok() || !value.contains(['/', '\\', '.', '$']);
+    match effect(name) {
+        Effect::Refused => Some("no such option: with it SUMO does not simulate"),
+        Effect::Unknown if !plain => {
+            Some("an option that SUMO 1.15 to 1.28 have: this one may write the file (behind -- it is the user's to give)")
+        }
+        _ if AFFIXES[1..].contains(&name) && value.contains(['/', '\\']) => Some("a suffix without folder"),
+        _ => None,
+    }
+}
+
+/// Options that change the names of files to write.
+pub(super) const AFFIXES: [&str; 3] = ["output-prefix", "output-suffix", "save-state.suffix"];
 
 /// The items of a list as SUMO writes it.
 pub(super) fn list(value: &str) -> impl Iterator<Item = &str> {
@@ -104,7 +146,7 @@ pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
 
 /// The first of the user's options that says where SUMO writes something.
 pub(crate) fn named_output(options: &[String]) -> Option<String> {
-    let names = |name: &String| writes(name) || ["output-prefix", "output-suffix"].contains(&name.as_str());
+    let names = |name: &String| writes(name) || AFFIXES[..2].contains(&name.as_str());
     given(options).into_keys().find(names).map(|name| format!("--{name}"))
 }
 
@@ -116,7 +158,7 @@ pub(super) fn without(options: &[String], option: &str) -> Vec<String> {
 }
 
 /// The user's options with the words that they take. A word that starts with a dash and is no number begins an option.
-fn words(options: &[String]) -> impl Iterator<Item = (String, String, Range<usize>)> {
+pub(super) fn words(options: &[String]) -> impl Iterator<Item = (String, String, Range<usize>)> {
     let begins = |i: usize| options[i].starts_with('-') && options[i].parse::<f64>().is_err();
     (0..options.len()).filter(move |i| begins(*i)).map(move |i| {
         let name = options[i].trim_start_matches('-');
@@ -138,9 +180,36 @@ mod tests {
         for name in ["tripinfo", "fcd-output", "l", "device.ssm.file", "a-new-output", "save-state.prefix"] {
             assert!(writes(canonical(name)), "{name}");
         }
+        for name in ["C", "save-schema", "?"] {
+            assert_eq!(effect(canonical(name)), Effect::Refused, "{name}");
+        }
+        for name in ["r", "seed", "device.fcd-replay.files", "output-prefix"] {
+            assert_eq!(effect(canonical(name)), Effect::Reads, "{name}");
+        }
         for name in ["net-file", "tripinfo-output.write-unfinished", "output-prefix", "precision"] {
             assert!(!writes(canonical(name)), "{name}");
         }
+    }
+
+    #[test]
+    fn law_every_option_is_on_one_list_once() {
+        let names: Vec<&str> = SETTINGS.split_whitespace().collect();
+        let others = [OUTPUTS, REFUSED].into_iter().flatten().flat_map(|(long, more)| more.iter().chain([long]));
+        let all: std::collections::BTreeSet<&str> = names.iter().chain(others.clone()).copied().collect();
+        assert_eq!(all.len(), names.len() + others.count());
+        let long = SETTINGS.lines().map(|line| line.split(' ').next().unwrap());
+        assert!(long.clone().is_sorted() && long.count() > 400);
+        assert!(INPUTS.iter().all(|option| effect(option) == Effect::Reads));
+    }
+
+    #[test]
+    fn options_of_a_newer_sumo_pass_unless_they_may_write() {
+        for (value, passes) in [("0.5", true), ("true", true), ("greedy", true), ("x.xml", false), ("/a/b", false)] {
+            assert_eq!(objection("brand-new", value).is_none(), passes, "{value}");
+            assert!(objection("net-file", value).is_none());
+        }
+        assert!(objection("save-template", "x").is_some() && objection("save-state.suffix", "/x").is_some());
+        assert!(objection("fcd-output", "/a/b.xml").is_none(), "it is redirected");
     }
 
     #[test]
