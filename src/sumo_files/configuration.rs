@@ -43,7 +43,7 @@ pub(super) struct Configuration {
 
 impl Configuration {
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
-        let text = xml::text(path)?;
+        let text = xml::short_text(path)?;
         let folder = absolute(Path::new(""), path.parent().unwrap_or(Path::new("")));
         let origin = Arc::new(Origin { name: path.display().to_string(), text, folder, argument: false });
         let settings = settings(path, &origin)?;

@@ -101,7 +101,7 @@ pub(super) fn objection(name: &str, value: &str) -> Option<&'static str> {
         Effect::Unknown if !plain => {
             Some("an option that SUMO 1.15 to 1.28 have: this one may write the file (behind -- it is the user's to give)")
         }
-        _ if AFFIXES[1..].contains(&name) && value.contains(['/', '\\']) => Some("a suffix without folder"),
+        _ if name == AFFIXES[2] && value.contains(['/', '\\']) => Some("a suffix without folder"),
         _ => None,
     }
 }
@@ -112,6 +112,13 @@ pub(super) const AFFIXES: [&str; 3] = ["output-prefix", "output-suffix", "save-s
 /// The items of a list as SUMO writes it.
 pub(super) fn list(value: &str) -> impl Iterator<Item = &str> {
     value.split([',', ';']).map(str::trim).filter(|item| !item.is_empty())
+}
+
+/// Standard streams, the void and network sockets (`host:port`).
+pub(super) fn is_no_file(value: &str) -> bool {
+    let socket = value.rsplit_once(':').is_some_and(|(host, port)| !host.contains('/') && port.parse::<u16>().is_ok());
+    let streams = ["", "-", "stdout", "STDOUT", "stderr", "STDERR", "nul", "NUL"];
+    streams.contains(&value) || ["/dev/null", "/dev/stdout", "/dev/stderr"].contains(&value) || socket
 }
 
 /// A time as SUMO writes it, in seconds or as `[DAYS:]HOURS:MINUTES:SECONDS` \[s\].
@@ -148,6 +155,62 @@ pub(super) fn given(options: &[String]) -> BTreeMap<String, String> {
 pub(crate) fn named_output(options: &[String]) -> Option<String> {
     let names = |name: &String| writes(name) || AFFIXES[..2].contains(&name.as_str());
     given(options).into_keys().find(names).map(|name| format!("--{name}"))
+}
+
+/// The folder of the results in a value of `sumo.options`.
+pub(super) const RESULTS: &str = "${RESULTS}/";
+
+/// What is wrong with options that a scenario brings along, which may write below the results only.
+pub(crate) fn refused_of_file(options: &[String]) -> Option<(String, &'static str)> {
+    words(options).find_map(|(name, value, range)| {
+        let word = &options[range.start];
+        // SUMO takes letters behind one dash for as many options.
+        let many = !word.starts_with("--") && word.split('=').next().is_some_and(|letters| letters.chars().count() > 2);
+        let wanted = match objection(&name, &value) {
+            _ if many => "each option in a text of its own, by its long name",
+            None if writes(&name) && value.is_empty() => "a file name with it",
+            wanted => wanted?,
+        };
+        Some((options[range].join(" "), wanted))
+    })
+}
+
+/// The options of a scenario so that their outputs go below the results, and a line on each that did not say so.
+pub(crate) fn below_results(options: &[String]) -> (Vec<String>, Vec<String>) {
+    let (mut kept, mut notes) = (options.to_vec(), Vec::new());
+    for (name, value, range) in words(options).filter(|(name, ..)| writes(name) || AFFIXES.contains(&name.as_str())) {
+        let last = |file: &str| file.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+        let below = if AFFIXES.contains(&name.as_str()) {
+            last(&value)
+        } else {
+            let place = |file| if is_no_file(file) { file.to_owned() } else { format!("{RESULTS}{}", last(file)) };
+            list(&value).map(place).collect::<Vec<_>>().join(",")
+        };
+        if below != value {
+            notes.push(format!("--{name} {value} is written as {below}"));
+            // A word of its own, or what follows the sign =.
+            let word = &mut kept[range.end - 1];
+            *word = format!("{}{below}", word.strip_suffix(value.as_str()).unwrap_or_default());
+        }
+    }
+    let given = given(options);
+    let has = |names: [&str; 2]| names.iter().any(|name| given.contains_key(*name));
+    if has(["save-state.times", "save-state.period"]) && !has(["save-state.prefix", "save-state.files"]) {
+        kept.extend(["--save-state.prefix".to_owned(), format!("{RESULTS}state")]);
+    }
+    (kept, notes)
+}
+
+/// The same options with the names of files below the results that `place` gives.
+pub(super) fn placed(options: &[String], mut place: impl FnMut(&str) -> String) -> Vec<String> {
+    let mut placed = options.to_vec();
+    for (.., value, range) in words(options).filter(|(_, value, _)| value.contains(RESULTS)) {
+        let mut file = |file: &str| file.strip_prefix(RESULTS).map_or_else(|| file.to_owned(), &mut place);
+        let files = list(&value).map(&mut file).collect::<Vec<_>>().join(",");
+        let word = &mut placed[range.end - 1];
+        *word = format!("{}{files}", word.strip_suffix(value.as_str()).unwrap_or_default());
+    }
+    placed
 }
 
 /// The user's options but one.
@@ -225,6 +288,29 @@ mod tests {
         assert_eq!(given(&options), expected.map(|(a, b)| (a.to_owned(), b.to_owned())).into());
         assert_eq!(without(&options, "additional-files"), options[2..]);
         assert_eq!(without(&options, "ignore-route-errors"), [&options[..4], &options[5..]].concat());
+    }
+
+    #[test]
+    fn what_a_scenario_writes_goes_below_the_results() {
+        let options = ["--fcd-output", "/abs/x.xml", "--log=../y", "--output-prefix", "../z_", "-l", "NUL"];
+        let (kept, notes) = below_results(&options.map(str::to_owned));
+        let below = ["--fcd-output", "${RESULTS}/x.xml", "--log=${RESULTS}/y", "--output-prefix", "z_", "-l", "NUL"];
+        assert_eq!(kept, below);
+        assert_eq!(notes.len(), 3);
+        assert_eq!(below_results(&kept), (kept.clone(), Vec::new()));
+        let placed = placed(&kept, |name| format!("/r/{name}"));
+        assert_eq!(placed[1..3], ["/r/x.xml", "--log=/r/y"]);
+        for (options, refused) in [
+            (&["--scale", "2", "-b", "3", "-v"][..], false),
+            (&["--save-template", "x"], true),
+            (&["-vl", "x"], true),
+            (&["--fcd-output", "-x.xml"], true),
+            (&["--fcd-output", "--x.xml"], true),
+            (&["--brand-new=/x"], true),
+        ] {
+            let options: Vec<String> = options.iter().map(|word| (*word).to_owned()).collect();
+            assert_eq!(refused_of_file(&options).is_some(), refused, "{options:?}");
+        }
     }
 
     #[test]

@@ -26,8 +26,8 @@ const DEPTH_MAX: usize = 256;
 /// The largest element, comment or text \[bytes\].
 const EVENT_MAX: usize = 64 << 20;
 
-/// The largest text that is kept whole \[bytes\].
-const TEXT_MAX: u64 = 256 << 20;
+/// The largest text that is written by hand \[bytes\].
+const TEXT_MAX: u64 = 64 << 20;
 
 /// The bytes in which the XML declaration must stand.
 const HEAD: u64 = 256;
@@ -51,6 +51,11 @@ impl Element<'_> {
 
     pub fn attribute(&self, name: &str) -> Option<String> {
         attribute(self.tag, name)
+    }
+
+    /// Whether it has an attribute with such a name.
+    pub fn has_attribute(&self, is_such: impl Fn(&str) -> bool) -> bool {
+        self.tag.attributes().with_checks(false).flatten().any(|found| is_such(found.key.into_inner()))
     }
 
     /// Whether this is a parameter of this key.
@@ -294,16 +299,21 @@ fn declared(head: &[u8]) -> io::Result<&'static Encoding> {
 /// The decoded text of a file.
 pub(super) fn text(path: &Path) -> Result<String, SumoFileError> {
     let mut text = String::new();
-    let file = Utf8::open(path).map_err(unreadable(path))?;
-    bounded(file, &mut text).map_err(unreadable(path))?;
+    Utf8::open(path).and_then(|mut file| file.read_to_string(&mut text)).map_err(unreadable(path))?;
     Ok(text)
 }
 
-/// Reads a whole text into memory, unless it is one without end.
-pub(crate) fn bounded(file: impl Read, into: &mut String) -> io::Result<()> {
-    file.take(TEXT_MAX + 1).read_to_string(into)?;
-    if into.len() as u64 <= TEXT_MAX {
-        return Ok(());
+/// The decoded text of a file that somebody wrote by hand.
+pub(super) fn short_text(path: &Path) -> Result<String, SumoFileError> {
+    Utf8::open(path).and_then(bounded).map_err(unreadable(path))
+}
+
+/// Reads a text that somebody wrote by hand, unless it is one without end.
+pub(crate) fn bounded(file: impl Read) -> io::Result<String> {
+    let mut text = String::new();
+    file.take(TEXT_MAX + 1).read_to_string(&mut text)?;
+    if text.len() as u64 <= TEXT_MAX {
+        return Ok(text);
     }
     Err(io::Error::new(ErrorKind::FileTooLarge, format!("more than {TEXT_MAX} bytes")))
 }
