@@ -323,7 +323,10 @@ fn names_of_tables_and_results() {
     for (output, parts) in [
         ("vehicles = \"edges.csv\"".to_owned(), ["bad.toml:4: output.vehicles", "have one edges.csv already"]),
         ("vehicles = \"quality.csv\"".to_owned(), ["bad.toml:4: output.vehicles", "have one quality.csv already"]),
-        ("trace = \"all\"\ntrace_file = \"vehicles.csv\"".to_owned(), ["bad.toml:5: output.trace_file", "one vehicles.csv"]),
+        (
+            "trace = \"all\"\ntrace_file = \"vehicles.csv\"".to_owned(),
+            ["bad.toml:5: output.trace_file", "one vehicles.csv"],
+        ),
         ("trace = \"all\"\nvehicles = \"trace.csv\"".to_owned(), ["bad.toml:5: output.vehicles", "one trace.csv"]),
         ("vehicles = \".csv\"".to_owned(), ["bad.toml:4: output.vehicles", "a file name"]),
         ("vehicles = \"a\\u0000.csv\"".to_owned(), ["bad.toml:4: output.vehicles", "without control characters"]),
@@ -368,11 +371,16 @@ fn files_without_measure() {
     refused(&folder, &["run", "bad.sumocfg"], &["f0.xml:1: elements nested more than 256 deep"]);
     configuration(&["<a>".repeat(200_000), "</a>".repeat(200_000)].concat());
     refused(&folder, &["run", "bad.sumocfg"], &["bad.sumocfg:3: elements nested more than 256 deep"]);
-    let laughs: String = (1..10).map(|i| format!("<!ENTITY a{i} \"{}\">", format!("&a{};", i - 1).repeat(10))).collect();
+    let laughs: String =
+        (1..10).map(|i| format!("<!ENTITY a{i} \"{}\">", format!("&a{};", i - 1).repeat(10))).collect();
     let laughs = format!("<!DOCTYPE a [<!ENTITY a0 \"ha\">{laughs}]>");
     write(&folder, "f0.xml", &format!("{laughs}<additional><poi id=\"&a9;\" x=\"1\" y=\"1\"/></additional>"));
     configuration("<additional-files value=\"f0.xml\"/>");
     refused(&folder, &["run", "bad.sumocfg"], &["f0.xml:1: a document type definition"]);
-    write(&folder, "laughs.sumocfg", &format!("{laughs}<configuration><output-prefix value=\"&a9;\"/></configuration>"));
+    write(
+        &folder,
+        "laughs.sumocfg",
+        &format!("{laughs}<configuration><output-prefix value=\"&a9;\"/></configuration>"),
+    );
     refused(&folder, &["run", "laughs.sumocfg"], &["laughs.sumocfg:1: a document type definition"]);
 }

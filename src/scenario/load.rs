@@ -22,7 +22,8 @@ use crate::{
     plant::{ActuatorKeys, BodyKeys},
     registry,
     sumo_files::{
-        Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, below_results, bounded, is_xml, ours, refused_of_file,
+        Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, below_results, bounded, is_xml, ours,
+        refused_of_file,
     },
 };
 
@@ -250,7 +251,9 @@ fn sumo(reader: &mut Reader, table: &Table, notes: &mut Vec<String>) -> SumoSetu
         }
         let told;
         (setup.options, told) = below_results(&setup.options);
-        notes.extend(told.into_iter().map(|line| format!("{}: sumo.options: {line} (behind -- any place goes)", entry.place)));
+        notes.extend(
+            told.into_iter().map(|line| format!("{}: sumo.options: {line} (behind -- any place goes)", entry.place)),
+        );
     }
     setup
 }

@@ -76,27 +76,7 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     if let Some(configuration) = &settings.configuration {
         outputs = configured(&mut line, configuration, &mut redirect);
     }
-    // The settings of the window may ask for snapshots.
-    let windowed = ["gui-settings-file", "alternative-net-file"].into_iter().filter(|_| setup.gui);
-    for option in ["net-file", "route-files", "additional-files"].into_iter().chain(windowed) {
-        let files = settings.files(option);
-        let copies = redirect.all_loaded(&files)?;
-        if copies != files && line.given.remove(option).is_some() {
-            options = without(&options, option);
-        }
-        if copies != files || settings.configuration.is_none() {
-            line.push_list(option, &copies);
-        }
-    }
-    // A saved state has vTypes and vehicles, and they have devices that write.
-    let saved = setup.load_state.clone().or_else(|| settings.files("load-state").pop());
-    if let Some(state) = &saved {
-        let copy = redirect.loaded(state)?;
-        if copy != *state || setup.load_state.is_some() {
-            options = if line.given.remove("load-state").is_some() { without(&options, "load-state") } else { options };
-            line.push("load-state", &copy.to_string_lossy());
-        }
-    }
+    options = loading(&mut line, setup, &settings, (&mut redirect, options))?;
     if let Some(state) = &setup.load_state {
         line.push("begin", &state_time(state)?);
     }
@@ -132,6 +112,34 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     let mut arguments = line.arguments;
     arguments.extend(options);
     Ok(SumoCommand { arguments, statistics, tripinfo, log, conflicts })
+}
+
+/// What SUMO loads: the files themselves, or the copies of those that name outputs. Returns the user's options without
+/// the files that copies replace.
+fn loading(
+    line: &mut Line,
+    setup: &SumoSetup,
+    settings: &Settings,
+    (redirect, mut options): (&mut Redirect, Vec<String>),
+) -> Result<Vec<String>, SumoFileError> {
+    // A saved state has vTypes and vehicles with devices that write; the settings of the window may ask for snapshots.
+    let windowed = ["gui-settings-file", "alternative-net-file"].into_iter().filter(|_| setup.gui);
+    let always = ["net-file", "route-files", "additional-files", "load-state"];
+    for option in always.into_iter().chain(windowed) {
+        let named = match &setup.load_state {
+            Some(state) if option == "load-state" => vec![state.clone()],
+            _ => settings.files(option),
+        };
+        let copies = redirect.all_loaded(&named)?;
+        if copies != named && line.given.remove(option).is_some() {
+            options = without(&options, option);
+        }
+        let ours = settings.configuration.is_none() || option == "load-state" && setup.load_state.is_some();
+        if copies != named || ours {
+            line.push_list(option, &copies);
+        }
+    }
+    Ok(options)
 }
 
 /// How SUMO steps, what it draws its random numbers from, and what its devices measure.

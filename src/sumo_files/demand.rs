@@ -179,9 +179,10 @@ fn moves_by_rail(element: &Element<'_>) -> bool {
 
 /// Refuses what makes no sense: another kind of simulation, and an end before the begin.
 fn refuse(setup: &SumoSetup, settings: &Settings, end: Option<Place>) -> Result<(), SumoFileError> {
-    let theirs = settings.configuration.iter().flat_map(|configuration| {
-        configuration.settings.iter().map(|setting| (configuration.place(setting), setting))
-    });
+    let theirs = settings
+        .configuration
+        .iter()
+        .flat_map(|configuration| configuration.settings.iter().map(|setting| (configuration.place(setting), setting)));
     // What stands behind `--` replaces the configuration's.
     for (place, setting) in theirs.filter(|(_, setting)| !settings.given.contains_key(&setting.name)) {
         if let Some(wanted) = objection(&setting.name, &setting.value) {

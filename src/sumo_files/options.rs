@@ -98,9 +98,9 @@ pub(super) fn objection(name: &str, value: &str) -> Option<&'static str> {
     let plain = value.parse::<f64>().is_ok() || !value.contains(['/', '\\', '.', '$']);
     match effect(name) {
         Effect::Refused => Some("no such option: with it SUMO does not simulate"),
-        Effect::Unknown if !plain => {
-            Some("an option that SUMO 1.15 to 1.28 have: this one may write the file (behind -- it is the user's to give)")
-        }
+        Effect::Unknown if !plain => Some(
+            "an option that SUMO 1.15 to 1.28 have: this one may write the file (behind -- it is the user's to give)",
+        ),
         _ if name == AFFIXES[2] && value.contains(['/', '\\']) => Some("a suffix without folder"),
         _ => None,
     }

@@ -23,7 +23,7 @@ use super::{
 };
 
 /// Attributes that name a file to write, in whatever element.
-const WRITTEN: [&str; 3] = ["file", "dest", "output"];
+const WRITTEN: [&str; 2] = ["file", "output"];
 
 /// The elements in which such an attribute names a file to read.
 const READERS: &[(&str, &str)] =
@@ -168,7 +168,8 @@ impl Redirect {
 
 /// Whether an attribute of an element names a file to write.
 pub(super) fn writes_file(element: &str, attribute: &str) -> bool {
-    WRITTEN.contains(&attribute) && !READERS.contains(&(element, attribute))
+    let written = WRITTEN.contains(&attribute) || (element, attribute) == ("timedEvent", "dest");
+    written && !READERS.contains(&(element, attribute))
 }
 
 /// Whether the value of a parameter names a file to write: that of a traffic light's program, or of a device of a vehicle.

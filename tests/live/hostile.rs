@@ -116,9 +116,21 @@ fn configurations() -> Vec<Case> {
         option("text that is not parsed", Written("v.xml"), "<fcd-output><![CDATA[v.xml]]></fcd-output>"),
         option("text with references", Written("v.xml"), "<fcd-output>v&#46;xml</fcd-output>"),
         option("statistics", Written("v.xml"), "<statistic-output value=\"v.xml\"/>"),
-        option("an option nobody knows", Refused(&["c.sumocfg:3: dump-to", "SUMO 1.15 to 1.28"]), "<dump-to value=\"v.xml\"/>"),
-        option("states", Written("v_2.00.xml"), "<save-state.times value=\"2\"/><save-state.suffix value=\".xml\"/><save-state.prefix value=\"OUTSIDE/v\"/>"),
-        option("states with names", Written("v.xml"), "<save-state.times value=\"2\"/><save-state.files value=\"OUTSIDE/v.xml\"/>"),
+        option(
+            "an option nobody knows",
+            Refused(&["c.sumocfg:3: dump-to", "SUMO 1.15 to 1.28"]),
+            "<dump-to value=\"v.xml\"/>",
+        ),
+        option(
+            "states",
+            Written("v_2.00.xml"),
+            "<save-state.times value=\"2\"/><save-state.suffix value=\".xml\"/><save-state.prefix value=\"OUTSIDE/v\"/>",
+        ),
+        option(
+            "states with names",
+            Written("v.xml"),
+            "<save-state.times value=\"2\"/><save-state.files value=\"OUTSIDE/v.xml\"/>",
+        ),
         option(
             "a suffix with a folder",
             Refused(&["c.sumocfg:3: save-state.suffix: found /../../v.xml", "without folder"]),
@@ -126,7 +138,11 @@ fn configurations() -> Vec<Case> {
         ),
         option("a prefix", Written("v_w.xml"), "<output-prefix value=\"OUTSIDE/v_\"/><summary value=\"w.xml\"/>"),
         option("queues", Written("v.xml"), "<queue-output value=\"OUTSIDE/v.xml\"/>"),
-        option("ssm", Written("v.xml"), "<device.ssm.probability value=\"1\"/><device.ssm.file value=\"OUTSIDE/v.xml\"/>"),
+        option(
+            "ssm",
+            Written("v.xml"),
+            "<device.ssm.probability value=\"1\"/><device.ssm.file value=\"OUTSIDE/v.xml\"/>",
+        ),
     ]
 }
 
@@ -249,9 +265,10 @@ fn judge(version: &str, case: &Case) -> Result<(), String> {
         return wrong(format!("it wrote beside the result: {beside:?}"));
     }
     match (ended.code, case.fate.unwrap()) {
-        (Some(0), Written(name)) if !dir.join("sumo").join(name).is_file() => {
-            wrong(format!("no {name} among {:?}", fs::read_dir(dir.join("sumo")).unwrap().flatten().collect::<Vec<_>>()))
-        }
+        (Some(0), Written(name)) if !dir.join("sumo").join(name).is_file() => wrong(format!(
+            "no {name} among {:?}",
+            fs::read_dir(dir.join("sumo")).unwrap().flatten().collect::<Vec<_>>()
+        )),
         (Some(0), Written(_) | Harmless) => Ok(()),
         (Some(1), Refused(parts)) if parts.iter().all(|part| said.contains(part)) => Ok(()),
         (code, Refused(parts)) => wrong(format!("ended with {code:?}, wanted 1 and {parts:?}")),

@@ -91,7 +91,9 @@ fn law_hostile_files_are_refused_or_read_within_bounds() {
     let deep = "<a>".repeat(1_000_000);
     assert!(ids(deep.as_bytes()).unwrap_err().to_string().contains("nested more than 256 deep"));
     // A billion laughs, and attributes that only the definition names.
-    for inner in ["[<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]", "[<!ATTLIST x file CDATA \"y\">]", "SYSTEM \"x.dtd\""] {
+    for inner in
+        ["[<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]", "[<!ATTLIST x file CDATA \"y\">]", "SYSTEM \"x.dtd\""]
+    {
         let error = ids(format!("<r/>\n<!DOCTYPE r {inner}>\n<r><x id=\"&b;&amp;\"/></r>").as_bytes()).unwrap_err();
         assert!(error.to_string().contains("file.xml:2: a document type definition"), "{error}");
     }
