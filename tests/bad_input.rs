@@ -361,3 +361,73 @@ fn all_mistakes_of_a_scenario_are_reported_at_once() {
     assert_eq!(message.matches('×').count(), 7, "each once, those that a group inherits too:\n{message}");
     assert!(!message.contains("clasic"), "the command line names another one:\n{message}");
 }
+
+/// Tables that would overwrite each other, and names that no file can have: `check` says so, before any simulation.
+#[test]
+fn names_of_tables_and_results() {
+    let folder = folder();
+    let long = "a".repeat(300);
+    for (output, parts) in [
+        ("vehicles = \"edges.csv\"".to_owned(), ["bad.toml:4: output.vehicles", "have one edges.csv already"]),
+        ("vehicles = \"quality.csv\"".to_owned(), ["bad.toml:4: output.vehicles", "have one quality.csv already"]),
+        (
+            "trace = \"all\"\ntrace_file = \"vehicles.csv\"".to_owned(),
+            ["bad.toml:5: output.trace_file", "one vehicles.csv"],
+        ),
+        ("trace = \"all\"\nvehicles = \"trace.csv\"".to_owned(), ["bad.toml:5: output.vehicles", "one trace.csv"]),
+        ("vehicles = \".csv\"".to_owned(), ["bad.toml:4: output.vehicles", "a file name"]),
+        ("vehicles = \"a\\u0000.csv\"".to_owned(), ["bad.toml:4: output.vehicles", "without control characters"]),
+        ("vehicles = \"a\\n.csv\"".to_owned(), ["bad.toml:4: output.vehicles", "without control characters"]),
+        (format!("vehicles = \"{long}.csv\""), ["bad.toml:4: output.vehicles", "of at most 200 bytes"]),
+    ] {
+        write(&folder, "bad.toml", &format!("[sumo]\nconfig = \"light.sumocfg\"\n[output]\n{output}\n"));
+        refused(&folder, &["check", "bad.toml"], &parts);
+        refused(&folder, &["run", "bad.toml"], &parts);
+    }
+    write(&folder, "bad.toml", &format!("name = \"{long}\"\n[sumo]\nconfig = \"light.sumocfg\"\n"));
+    refused(&folder, &["check", "bad.toml"], &["bad.toml:1: name", "of at most 200 bytes"]);
+    // Names that nobody else takes.
+    let free = "quality = false\nvehicles = \"quality.csv\"\ntrace_file = \"quality.csv\"";
+    write(&folder, "good.toml", &format!("[sumo]\nconfig = \"light.sumocfg\"\n[output]\n{free}\n"));
+    assert!(command(&folder, &["check", "good.toml"]).output().unwrap().status.success());
+}
+
+/// Files without end, and such as grow when they are read, are refused in a moment and in little memory.
+#[test]
+fn files_without_measure() {
+    let folder = folder();
+    refused(&folder, &["run", "/dev/zero"], &["/dev/zero: cannot be read: more than"]);
+    let including = |files: usize, times: usize, more: &str| {
+        for i in 0..=files {
+            let next = format!("<include href=\"f{}.xml\"/>", i + 1).repeat(if i < files { times } else { 0 });
+            write(&folder, &format!("f{i}.xml"), &format!("<additional>{more}{next}</additional>"));
+        }
+    };
+    let configuration = |more: &str| {
+        let input = "<net-file value=\"light.net.xml\"/><route-files value=\"light.rou.xml\"/>";
+        write(&folder, "bad.sumocfg", &format!("<configuration>\n{input}\n{more}\n</configuration>"));
+    };
+    configuration("<additional-files value=\"f0.xml\"/>");
+    including(3000, 1, "<edgeData id=\"e\" file=\"v.xml\"/>");
+    refused(&folder, &["run", "bad.sumocfg"], &["files include each other more than 16 deep"]);
+    including(24, 2, "");
+    refused(&folder, &["run", "bad.sumocfg"], &["files include each other more than 16 deep"]);
+    including(14, 2, "");
+    refused(&folder, &["run", "bad.sumocfg"], &["it makes SUMO read more than 10000 files"]);
+    write(&folder, "f0.xml", &["<a>".repeat(200_000), "</a>".repeat(200_000)].concat());
+    refused(&folder, &["run", "bad.sumocfg"], &["f0.xml:1: elements nested more than 256 deep"]);
+    configuration(&["<a>".repeat(200_000), "</a>".repeat(200_000)].concat());
+    refused(&folder, &["run", "bad.sumocfg"], &["bad.sumocfg:3: elements nested more than 256 deep"]);
+    let laughs: String =
+        (1..10).map(|i| format!("<!ENTITY a{i} \"{}\">", format!("&a{};", i - 1).repeat(10))).collect();
+    let laughs = format!("<!DOCTYPE a [<!ENTITY a0 \"ha\">{laughs}]>");
+    write(&folder, "f0.xml", &format!("{laughs}<additional><poi id=\"&a9;\" x=\"1\" y=\"1\"/></additional>"));
+    configuration("<additional-files value=\"f0.xml\"/>");
+    refused(&folder, &["run", "bad.sumocfg"], &["f0.xml:1: a document type definition"]);
+    write(
+        &folder,
+        "laughs.sumocfg",
+        &format!("{laughs}<configuration><output-prefix value=\"&a9;\"/></configuration>"),
+    );
+    refused(&folder, &["run", "laughs.sumocfg"], &["laughs.sumocfg:1: a document type definition"]);
+}

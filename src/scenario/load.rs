@@ -13,15 +13,18 @@ use super::{
     model::{Choice, Group, Preset, Scenario, Vehicle},
     parameters,
     reader::{Reader, names},
-    sections::{Egos, Named},
+    sections::{Egos, Named, Output},
     selector::Selector,
-    trace::{TraceRows, whole},
+    trace::{Trace, TraceRows, whole},
 };
 use crate::{
     keys::{Key, Keys, Kind, Values},
     plant::{ActuatorKeys, BodyKeys},
     registry,
-    sumo_files::{Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, is_xml, ours},
+    sumo_files::{
+        Demand, LeftOpen, Source, SumoFileError, SumoSetup, absolute, below_results, bounded, is_xml, ours,
+        refused_of_file,
+    },
 };
 
 /// What the user asked for.
@@ -98,7 +101,8 @@ impl Scenario {
         scenario.inputs.retain(|path| seen.insert(path.clone()));
         let checked = parameters::check(&demand.params)?;
         scenario.dead_time_max_s = checked.dead_time_max_s;
-        scenario.notes = [notes, demand.notes, checked.notes].concat();
+        let of_options = std::mem::take(&mut scenario.notes);
+        scenario.notes = [notes, of_options, demand.notes, checked.notes].concat();
         if let Some(types) = &demand.types {
             let select = reader.section(&root, "egos", "egos").get("select").cloned();
             let wanted = select.as_ref().zip(scenario.egos.misses(types));
@@ -131,7 +135,8 @@ pub(crate) fn read(path: &Path) -> Result<Table, ScenarioError> {
         Override::text("", "sumo.config", &path.to_string_lossy()).apply(&mut root).map(|()| root)
     } else {
         let unreadable = |reason| ScenarioError::Unreadable { path: path.to_owned(), reason };
-        document::parse(path.display().to_string(), std::fs::read_to_string(path).map_err(unreadable)?, folder)
+        let text = std::fs::File::open(path).and_then(bounded).map_err(unreadable)?;
+        document::parse(path.display().to_string(), text, folder)
     };
     parsed.map_err(alone)
 }
@@ -182,7 +187,8 @@ fn resolve(reader: &mut Reader, request: &Request, root: &Table, catalog: &Catal
     let [sumo, egos, plant, coupling, traffic, output] =
         ["sumo", "egos", "plant", "coupling", "traffic", "output"].map(|name| table(reader, name));
     let named = Named::from_values(&reader.values("", root, Named::keys(), false).values);
-    let sumo = self::sumo(reader, &sumo);
+    let mut notes = Vec::new();
+    let sumo = self::sumo(reader, &sumo, &mut notes);
     // The file's own sections come first, so that a mistake in them is not said to be a group's.
     let rest = group(reader, Selector::All, root, None, catalog);
     let mut groups = own_groups(reader, root, catalog);
@@ -198,9 +204,10 @@ fn resolve(reader: &mut Reader, request: &Request, root: &Table, catalog: &Catal
         sumo,
         dead_time_max_s: 0.0,
         inputs: Vec::new(),
-        notes: Vec::new(),
+        notes,
     };
     whole_periods(reader, &scenario, root);
+    names_of_their_own(reader, &scenario.output, &output);
     scenario
 }
 
@@ -219,8 +226,8 @@ fn name(request: &Request, sumo: &SumoSetup) -> String {
     if stem.is_empty() { "scenario".to_owned() } else { stem.to_owned() }
 }
 
-fn sumo(reader: &mut Reader, table: &Table) -> SumoSetup {
-    let setup: SumoSetup = reader.keys("sumo", table);
+fn sumo(reader: &mut Reader, table: &Table, notes: &mut Vec<String>) -> SumoSetup {
+    let mut setup: SumoSetup = reader.keys("sumo", table);
     match (table.contains_key("config"), table.get("net")) {
         (true, Some(net)) => reader.note(net.wrong("sumo.net", "either sumo.config or sumo.net, not both")),
         (_, Some(_)) => {}
@@ -235,6 +242,18 @@ fn sumo(reader: &mut Reader, table: &Table) -> SumoSetup {
     if let (Some((found, instead)), Some(entry)) = (ours(&setup.options), table.get("options")) {
         let what = Wrong::Value { found, wanted: format!("{instead} in its place") };
         reader.note(Mistake { place: entry.place.clone(), key: "sumo.options".to_owned(), what });
+    }
+    // A scenario may come from a stranger; what the user types is the user's own affair.
+    if let Some(entry) = table.get("options").filter(|entry| !entry.place.origin.argument) {
+        if let Some((found, wanted)) = refused_of_file(&setup.options) {
+            let what = Wrong::Value { found, wanted: wanted.to_owned() };
+            reader.note(Mistake { place: entry.place.clone(), key: "sumo.options".to_owned(), what });
+        }
+        let told;
+        (setup.options, told) = below_results(&setup.options);
+        notes.extend(
+            told.into_iter().map(|line| format!("{}: sumo.options: {line} (behind -- any place goes)", entry.place)),
+        );
     }
     setup
 }
@@ -344,6 +363,24 @@ fn vehicle(reader: &mut Reader, path: &str, table: &Table, catalog: &Catalog) ->
     let preset = reader.named("body", &catalog.bodies, table, (path, "preset"));
     let preset = preset.map_or_else(|| Preset::ByClass(catalog.bodies.clone()), Preset::Named);
     Vehicle { preset, body: reader.values(path, table, BodyKeys::keys(), true) }
+}
+
+/// No table of the result takes the name of another one.
+fn names_of_their_own(reader: &mut Reader, output: &Output, table: &Table) {
+    let traced = output.trace != Trace::None;
+    let named = [("vehicles", Some(&output.vehicles)), ("trace_file", traced.then_some(&output.trace_file))];
+    let quality = output.quality.then_some("quality.csv");
+    let mut taken: Vec<&str> = ["edges.csv", "sample.csv"].into_iter().chain(quality).collect();
+    for (key, name) in named {
+        let Some(name) = name else { continue };
+        // One of two keys may keep its default; then the other one is wrong.
+        let set = [key, "vehicles"].into_iter().find_map(|key| Some((key, table.get(key)?)));
+        if let (true, Some((key, entry))) = (taken.contains(&name.as_str()), set) {
+            let wanted = format!("another name: the results have one {name} already");
+            reader.note(entry.wrong(&format!("output.{key}"), wanted));
+        }
+        taken.push(name);
+    }
 }
 
 /// SUMO rounds its step to 1 ms, a step holds whole control periods, and rows of a trace fall on their ends.

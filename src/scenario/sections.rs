@@ -15,10 +15,19 @@ keys! {
 }
 
 fn folder_name(name: &str) -> Result<(), String> {
-    if !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\']) {
+    let shape = !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\']);
+    fits(name, shape, "a name without slashes that does not start with a dot")
+}
+
+/// The longest name \[bytes\]: file systems take 255, and `.part` or a controller and a seed come behind it.
+const NAME_MAX: usize = 200;
+
+/// Refuses what cannot be the name of a file.
+fn fits(name: &str, shape: bool, wanted: &str) -> Result<(), String> {
+    if shape && name.len() <= NAME_MAX && !name.contains(char::is_control) {
         return Ok(());
     }
-    Err("a name without slashes that does not start with a dot".to_owned())
+    Err(format!("{wanted}, without control characters, of at most {NAME_MAX} bytes"))
 }
 
 keys! {
@@ -82,11 +91,9 @@ keys! {
 }
 
 fn table_name(name: &str) -> Result<(), String> {
-    let known = [".csv", ".parquet", ".xml"].iter().any(|ending| name.ends_with(ending));
-    if known && !name.contains(['/', '\\']) {
-        return Ok(());
-    }
-    Err("a file name without folder that ends in .csv, .parquet or .xml".to_owned())
+    let stem = [".csv", ".parquet", ".xml"].iter().find_map(|ending| name.strip_suffix(ending));
+    let shape = stem.is_some_and(|stem| !stem.is_empty()) && !name.contains(['/', '\\']);
+    fits(name, shape, "a file name without folder that ends in .csv, .parquet or .xml")
 }
 
 impl Setting for Selector {

@@ -3,7 +3,7 @@
 use super::definition::{Axis, Definition};
 use super::error::StudyError;
 use crate::scenario::{Catalog, Override, Scenario, ScenarioError, Selector};
-use crate::sumo_files::{as_configured, named_output};
+use crate::sumo_files::{as_configured, named_output, refused_of_file};
 
 /// The key that chooses the controller.
 const CONTROLLER: &str = "controller.name";
@@ -102,6 +102,9 @@ fn fit(scenario: &Scenario) -> Result<(), StudyError> {
     let alone = "nothing: each case of a study starts a SUMO of its own";
     if let Some(option) = named_output(&sumo.options) {
         return unfit("sumo.options", option, "no option that names files to write: each case has a folder of its own");
+    }
+    if let Some((option, wanted)) = refused_of_file(&sumo.options) {
+        return unfit("sumo.options", option, wanted);
     }
     match (&sumo.connect, sumo.port, sumo.num_clients, sumo.gui) {
         (Some(connect), ..) => unfit("sumo.connect", connect.clone(), alone),

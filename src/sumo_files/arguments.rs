@@ -8,9 +8,9 @@ use std::{
 use super::{
     configuration::Configuration,
     error::SumoFileError,
-    options::{given, list, without, writes},
+    options::{AFFIXES, given, is_no_file, list, placed, without, writes},
     path::absolute,
-    redirect::{Redirect, is_no_file},
+    redirect::Redirect,
     sampling::Sampling,
     settings::Settings,
     setup::{Source, SumoSetup},
@@ -64,31 +64,20 @@ pub struct SumoCommand {
 /// A file that cannot be read or written.
 pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, SumoFileError> {
     let folder = absolute(Path::new(""), &out_dir.join("sumo"));
-    let settings = Settings::read(setup)?;
-    let mut options = setup.options.clone();
-    let mut line = Line { arguments: Vec::new(), given: settings.given.clone() };
     let mut redirect = Redirect::new(&folder);
+    let mut options = placed(&setup.options, |name| redirect.target(&folder, name));
+    let setup = &SumoSetup { options: options.clone(), ..setup.clone() };
+    let settings = Settings::read(setup)?;
+    let mut line = Line { arguments: Vec::new(), given: settings.given.clone() };
     let mut outputs = BTreeMap::new();
-    match setup.source() {
-        Source::Running | Source::Offline => {}
-        Source::Config(path) => line.push("configuration-file", &path.to_string_lossy()),
-        Source::Network(net) => line.push("net-file", &net.to_string_lossy()),
+    if let Source::Config(path) = setup.source() {
+        line.push("configuration-file", &path.to_string_lossy());
     }
     if let Some(configuration) = &settings.configuration {
         outputs = configured(&mut line, configuration, &mut redirect);
     }
-    for option in ["route-files", "additional-files"] {
-        let files = settings.files(option);
-        let copies = redirect.all_loaded(&files)?;
-        if copies != files && line.given.remove(option).is_some() {
-            options = without(&options, option);
-        }
-        if copies != files || settings.configuration.is_none() {
-            line.push_list(option, &copies);
-        }
-    }
+    options = loading(&mut line, setup, &settings, (&mut redirect, options))?;
     if let Some(state) = &setup.load_state {
-        line.push("load-state", &state.to_string_lossy());
         line.push("begin", &state_time(state)?);
     }
     stepping(&mut line, setup, &settings);
@@ -111,6 +100,7 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     let statistics = ours("statistic-output", "statistics.xml");
     let log = ours("log", "sumo.log");
     // Vehicles may bring this device along in their parameters; without a name its file lands beside the configuration.
+    // A name of their own would win over this one: it is changed in copies of the files that give it.
     let conflicts = ours("device.ssm.file", "ssm.xml");
     let tripinfo = ours("tripinfo-output", "tripinfo.xml");
     if setup.fcd {
@@ -122,6 +112,34 @@ pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, 
     let mut arguments = line.arguments;
     arguments.extend(options);
     Ok(SumoCommand { arguments, statistics, tripinfo, log, conflicts })
+}
+
+/// What SUMO loads: the files themselves, or the copies of those that name outputs. Returns the user's options without
+/// the files that copies replace.
+fn loading(
+    line: &mut Line,
+    setup: &SumoSetup,
+    settings: &Settings,
+    (redirect, mut options): (&mut Redirect, Vec<String>),
+) -> Result<Vec<String>, SumoFileError> {
+    // A saved state has vTypes and vehicles with devices that write; the settings of the window may ask for snapshots.
+    let windowed = ["gui-settings-file", "alternative-net-file"].into_iter().filter(|_| setup.gui);
+    let always = ["net-file", "route-files", "additional-files", "load-state"];
+    for option in always.into_iter().chain(windowed) {
+        let named = match &setup.load_state {
+            Some(state) if option == "load-state" => vec![state.clone()],
+            _ => settings.files(option),
+        };
+        let copies = redirect.all_loaded(&named)?;
+        if copies != named && line.given.remove(option).is_some() {
+            options = without(&options, option);
+        }
+        let ours = settings.configuration.is_none() || option == "load-state" && setup.load_state.is_some();
+        if copies != named || ours {
+            line.push_list(option, &copies);
+        }
+    }
+    Ok(options)
 }
 
 /// How SUMO steps, what it draws its random numbers from, and what its devices measure.
@@ -159,7 +177,7 @@ fn configured(line: &mut Line, configuration: &Configuration, redirect: &mut Red
     let home = &configuration.origin.folder;
     redirect.take_prefix(configuration.value("output-prefix").unwrap_or_default());
     let mut outputs = BTreeMap::new();
-    for option in ["output-prefix", "output-suffix"] {
+    for option in &AFFIXES[..2] {
         if configuration.get(option).is_some() {
             line.push(option, "");
         }

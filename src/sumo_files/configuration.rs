@@ -7,7 +7,11 @@ use std::{
     sync::Arc,
 };
 
-use quick_xml::{XmlVersion, events::Event};
+use quick_xml::{
+    XmlVersion,
+    escape::resolve_predefined_entity,
+    events::{BytesRef, BytesStart, Event},
+};
 
 use super::{
     error::SumoFileError,
@@ -39,7 +43,7 @@ pub(super) struct Configuration {
 
 impl Configuration {
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
-        let text = xml::text(path)?;
+        let text = xml::short_text(path)?;
         let folder = absolute(Path::new(""), path.parent().unwrap_or(Path::new("")));
         let origin = Arc::new(Origin { name: path.display().to_string(), text, folder, argument: false });
         let settings = settings(path, &origin)?;
@@ -70,12 +74,6 @@ impl Configuration {
 
 fn settings(path: &Path, origin: &Arc<Origin>) -> Result<Vec<Setting>, SumoFileError> {
     let mut xml = Xml::of(path, &origin.text);
-    let mut settings = Vec::new();
-    let mut open: Option<(String, usize, String)> = None;
-    let mut add = |name: &str, value: String, span: Range<usize>| {
-        let (name, written) = (canonical(name).to_owned(), name.to_owned());
-        settings.push(Setting { name, written, value, span });
-    };
     let syntax = |error| match error {
         SumoFileError::Content { line, what, .. } => {
             let at = origin.text.split_inclusive('\n').take(line - 1).map(str::len).sum();
@@ -83,29 +81,63 @@ fn settings(path: &Path, origin: &Arc<Origin>) -> Result<Vec<Setting>, SumoFileE
         }
         other => other,
     };
+    let mut loader = Loader::default();
     while let Some(Item { event, span, .. }) = xml.next().map_err(syntax)? {
         match event {
-            Event::Start(tag) | Event::Empty(tag) => {
-                let name = tag.name().into_inner();
-                match attribute(&tag, "value").or_else(|| attribute(&tag, "v")) {
-                    Some(value) => add(name, value, span),
-                    None => open = Some((name.to_owned(), span.start, String::new())),
-                }
+            Event::Start(tag) => loader.begin(&tag, span),
+            Event::Empty(tag) => {
+                loader.begin(&tag, span.clone());
+                loader.end(span.end);
             }
-            Event::Text(text) => {
-                if let Some((_, _, value)) = &mut open {
-                    value.push_str(&text.xml_content(XmlVersion::Implicit1_0));
-                }
-            }
-            Event::End(_) => {
-                if let Some((name, from, value)) = open.take().filter(|o| !o.2.trim().is_empty()) {
-                    add(&name, value.trim().to_owned(), from..span.end);
-                }
-            }
+            Event::Text(text) => loader.text.push_str(&text.xml_content(XmlVersion::Implicit1_0)),
+            Event::CData(text) => loader.text.push_str(&text),
+            Event::GeneralRef(name) => loader.text.extend(referred(&name)),
+            Event::End(_) => loader.end(span.end),
             _ => {}
         }
     }
-    if xml.is_whole() { Ok(settings) } else { Err(syntax(xml.breaks_off())) }
+    if xml.is_whole() { Ok(loader.settings) } else { Err(syntax(xml.breaks_off())) }
+}
+
+/// What SUMO makes of a configuration (`OptionsLoader.cpp`): of an element every attribute `value` or `v` that is not
+/// empty, then the text until an element ends, if it says anything. The name stays until a text was taken.
+#[derive(Default)]
+struct Loader {
+    settings: Vec<Setting>,
+    name: String,
+    text: String,
+    from: usize,
+}
+
+impl Loader {
+    fn begin(&mut self, tag: &BytesStart<'_>, span: Range<usize>) {
+        tag.name().into_inner().clone_into(&mut self.name);
+        self.text.clear();
+        self.from = span.start;
+        for name in tag.attributes().with_checks(false).flatten().map(|found| found.key) {
+            let name = name.into_inner();
+            let value = attribute(tag, name).filter(|value| ["value", "v"].contains(&name) && !value.is_empty());
+            self.settings.extend(value.map(|value| setting(&self.name, value, span.clone())));
+        }
+    }
+
+    fn end(&mut self, at: usize) {
+        if !self.name.is_empty() && !self.text.trim().is_empty() {
+            let text = std::mem::take(&mut self.text);
+            self.settings.push(setting(&self.name, text.trim().to_owned(), self.from..at));
+            self.name.clear();
+        }
+    }
+}
+
+fn setting(written: &str, value: String, span: Range<usize>) -> Setting {
+    Setting { name: canonical(written).to_owned(), written: written.to_owned(), value, span }
+}
+
+/// The character that a reference stands for: a number, or one of the five names of XML.
+fn referred(reference: &BytesRef<'_>) -> Option<char> {
+    let named = || resolve_predefined_entity(reference)?.chars().next();
+    reference.resolve_char_ref().ok().flatten().or_else(named)
 }
 
 #[cfg(test)]
@@ -137,6 +169,22 @@ mod tests {
         assert!(routes.iter().all(|p| p.is_absolute()));
         let setting = configuration.get("route-files").unwrap();
         assert_eq!((configuration.place(setting).line(), setting.written.as_str()), (5, "routes"));
+    }
+
+    #[test]
+    fn law_settings_are_found_wherever_sumo_finds_them() {
+        for body in [
+            "<o v=\"x\" value=\"\"/>",
+            "<o value=\"\">x</o>",
+            "<o></o>x",
+            "<o><![CDATA[x]]></o>",
+            "<o>&#120;</o>",
+            "<o v='x' value='y'/>",
+        ] {
+            let configuration = read(&format!("<configuration>{body}</configuration>")).unwrap();
+            assert_eq!(configuration.value("o"), Some("x"), "{body}");
+        }
+        assert!(read("<!DOCTYPE c [<!ATTLIST o value CDATA \"x\">]><c><o/></c>").is_err());
     }
 
     #[test]

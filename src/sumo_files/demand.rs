@@ -10,7 +10,7 @@ use std::{
 use super::{
     error::SumoFileError,
     include::Files,
-    options::INPUTS,
+    options::{INPUTS, objection},
     path::absolute,
     redirect::writes_file,
     sampling::Sampling,
@@ -84,7 +84,7 @@ impl Demand {
         let traffic = found.add_read(files.iter().chain(&additional))?;
         // Other clients, files given as options of SUMO, and a saved state bring traffic that is not seen here.
         let may_be_empty = setup.num_clients > 1
-            || INPUTS.iter().any(|(option, _)| settings.given.contains_key(*option))
+            || INPUTS.iter().any(|option| settings.given.contains_key(*option))
             || settings.value("load-state").is_some()
             || setup.load_state.is_some();
         if !traffic && !may_be_empty {
@@ -100,7 +100,7 @@ impl Demand {
 
     /// Adds the files that options name. Those of the scenario itself are known to exist.
     fn add_named(&mut self, settings: &Settings) -> Result<(), SumoFileError> {
-        for (option, _) in INPUTS {
+        for option in INPUTS {
             let Some((place, key)) = settings.place(option) else { continue };
             for path in settings.files(option) {
                 if !path.is_file() {
@@ -179,6 +179,17 @@ fn moves_by_rail(element: &Element<'_>) -> bool {
 
 /// Refuses what makes no sense: another kind of simulation, and an end before the begin.
 fn refuse(setup: &SumoSetup, settings: &Settings, end: Option<Place>) -> Result<(), SumoFileError> {
+    let theirs = settings
+        .configuration
+        .iter()
+        .flat_map(|configuration| configuration.settings.iter().map(|setting| (configuration.place(setting), setting)));
+    // What stands behind `--` replaces the configuration's.
+    for (place, setting) in theirs.filter(|(_, setting)| !settings.given.contains_key(&setting.name)) {
+        if let Some(wanted) = objection(&setting.name, &setting.value) {
+            let (key, found) = (setting.written.clone(), setting.value.clone());
+            return Err(SumoFileError::Setting { place, key, found, wanted: wanted.to_owned() });
+        }
+    }
     if let Some((place, key)) = settings.place("mesosim").filter(|_| settings.is_on("mesosim")) {
         let (found, wanted) =
             ("true".to_owned(), "false: SUMO's mesoscopic vehicles have no speed to follow".to_owned());

@@ -1,7 +1,7 @@
 //! A file of demand or of additional elements together with the files that it includes.
 
 use std::{
-    collections::BTreeSet,
+    collections::BTreeMap,
     ops::ControlFlow,
     path::{Path, PathBuf},
 };
@@ -16,15 +16,26 @@ use crate::missing::did_you_mean;
 /// Files that include each other this deep are a mistake.
 const DEPTH_MAX: usize = 16;
 
+/// SUMO reads a file as often as it is included. More than this is a mistake.
+const READINGS_MAX: u64 = 10_000;
+
 /// Reads files and what they include, each file once.
 #[derive(Debug, Default)]
 pub(super) struct Files {
-    seen: BTreeSet<PathBuf>,
+    /// The files that are read, each with how often SUMO reads a file if it reads this one once.
+    seen: BTreeMap<PathBuf, u64>,
+    /// Whether networks and configurations are read like other files.
+    all_roots: bool,
     /// The files from the first one to the one under reading.
     chain: Vec<PathBuf>,
 }
 
 impl Files {
+    /// Reads networks and configurations like other files: SUMO does, wherever they are named.
+    pub fn of_any_root() -> Self {
+        Self { all_roots: true, ..Self::default() }
+    }
+
     /// Calls `visit` with every element of `file`, then with those of the files that it includes, until it breaks. True
     /// if all of them are whole: none breaks off.
     pub fn each(
@@ -39,16 +50,16 @@ impl Files {
         if self.chain.len() == DEPTH_MAX {
             return Err(self.endless(file, &format!("files include each other more than {DEPTH_MAX} deep")));
         }
-        if !self.seen.insert(identity.clone()) {
+        if self.seen.contains_key(&identity) {
             return Ok(true);
         }
         let folder = file.parent().unwrap_or(Path::new(""));
         let mut xml = Xml::open(file)?;
-        let mut included = Vec::new();
+        let (mut included, all_roots) = (Vec::new(), self.all_roots);
         let mut broken = false;
         xml.each(|element| {
             // Networks are large, and neither they nor configurations include anything.
-            if element.parent.is_empty() && ["net", "configuration"].contains(&element.name()) {
+            if !all_roots && element.parent.is_empty() && ["net", "configuration"].contains(&element.name()) {
                 broken = true;
                 return Ok(ControlFlow::Break(()));
             }
@@ -63,12 +74,22 @@ impl Files {
             broken = flow.is_break();
             Ok(flow)
         })?;
+        if !xml.is_rooted() {
+            return Err(xml.error("not XML as SUMO writes it: no element in it".to_owned()));
+        }
         let mut whole = broken || xml.is_whole();
-        self.chain.push(identity);
-        for file in included {
-            whole &= self.each(&file, visit)?;
+        self.chain.push(identity.clone());
+        let mut readings = 1_u64;
+        for included in included {
+            whole &= self.each(&included, visit)?;
+            let identity = std::fs::canonicalize(&included).unwrap_or(included);
+            readings = readings.saturating_add(self.seen.get(&identity).copied().unwrap_or(1));
+            if readings > READINGS_MAX {
+                return Err(self.endless(file, &format!("it makes SUMO read more than {READINGS_MAX} files")));
+            }
         }
         self.chain.pop();
+        self.seen.insert(identity, readings);
         Ok(whole)
     }
 
@@ -120,6 +141,14 @@ mod tests {
             error.contains("more than 16 deep") && error.contains("f0.xml > ") && error.contains("f16.xml"),
             "{error}"
         );
+        for i in 0..14 {
+            let next = format!("<include href=\"f{}.xml\"/>", i + 1);
+            std::fs::write(path(i), format!("<r>{}</r>", next.repeat(2))).unwrap();
+        }
+        std::fs::write(path(14), "<r/>").unwrap();
+        let error = ids(&path(0)).unwrap_err().to_string();
+        assert!(error.contains("it makes SUMO read more than 10000 files") && error.contains("f1.xml"), "{error}");
+        assert_eq!(ids(&path(3)).unwrap(), (Vec::new(), true), "4095 files");
         std::fs::write(path(1), "<r><include href=\"./f0.xml\"/></r>").unwrap();
         let error = ids(&path(0)).unwrap_err().to_string();
         assert!(error.contains("f0.xml: it includes itself: ") && error.contains("f1.xml > "), "{error}");

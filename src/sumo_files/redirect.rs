@@ -17,30 +17,29 @@ use quick_xml::{
 use super::{
     error::SumoFileError,
     include::Files,
-    options::writes,
+    options::{is_no_file, writes},
     path::absolute,
-    xml::{Item, Xml, attribute},
+    xml::{Item, Xml, attribute, is_xml},
 };
 
-/// Attributes of additional files that name a file to write: element, attribute.
-const WRITTEN: &[(&str, &str)] = &[
-    ("edgeData", "file"),
-    ("laneData", "file"),
-    ("inductionLoop", "file"),
-    ("e1Detector", "file"),
-    ("instantInductionLoop", "file"),
-    ("laneAreaDetector", "file"),
-    ("e2Detector", "file"),
-    ("entryExitDetector", "file"),
-    ("e3Detector", "file"),
-    ("routeProbe", "file"),
-    ("vTypeProbe", "file"),
-    ("timedEvent", "dest"),
-    ("calibrator", "output"),
-];
+/// Attributes that name a file to write, in whatever element.
+const WRITTEN: [&str; 2] = ["file", "output"];
+
+/// The elements in which such an attribute names a file to read.
+const READERS: &[(&str, &str)] =
+    &[("variableSpeedSign", "file"), ("rerouter", "file"), ("calibrator", "file"), ("decal", "file")];
+
+/// Parameters that name a file to read.
+const READ_PARAMS: [&str; 2] = ["device.fcd-replay.file", "device.fcd-replay.files"];
 
 /// Attributes of any element that name a file to read.
-const READ: &[&str] = &["href", "file", "imgFile", "osgFile", "shapeFile"];
+const READ: &[&str] = &["href", "file", "imgFile", "osgFile", "shapeFile", "edgesFile"];
+
+/// Elements whose parameters are free for anybody's use; elsewhere the parameter `file` may be a traffic light's output.
+const FREE: &[&str] = &["vehicle", "trip", "flow", "vType", "person", "personFlow", "poi", "poly", "edge", "lane"];
+
+/// Copies that name each other this deep are a mistake.
+const DEPTH_MAX: usize = 32;
 
 /// Gives every file that SUMO would write a name of its own below `folder`.
 #[derive(Debug)]
@@ -49,13 +48,15 @@ pub(super) struct Redirect {
     prefix: String,
     taken: BTreeMap<String, PathBuf>,
     copies: BTreeMap<PathBuf, PathBuf>,
+    /// How many files are being copied, each named in the one before.
+    depth: usize,
 }
 
 impl Redirect {
     pub fn new(folder: &Path) -> Self {
         // What SUMO prints is kept under this name.
         let taken = BTreeMap::from([("console.log".to_owned(), PathBuf::new())]);
-        Self { folder: folder.to_owned(), prefix: String::new(), taken, copies: BTreeMap::new() }
+        Self { folder: folder.to_owned(), prefix: String::new(), taken, copies: BTreeMap::new(), depth: 0 }
     }
 
     /// Puts a configuration's output prefix before all names to come: its last component, without the time.
@@ -87,7 +88,9 @@ impl Redirect {
             return value.to_owned();
         }
         let original = absolute(from, Path::new(value));
-        let name = original.file_name().map_or("output".to_owned(), |n| n.to_string_lossy().into_owned());
+        // SUMO takes a name with a colon for a socket.
+        let name =
+            original.file_name().map_or("output".to_owned(), |n| n.to_string_lossy().replace([':', '\n', '\r'], "_"));
         self.free(&format!("{}{name}", self.prefix), original).to_string_lossy().into_owned()
     }
 
@@ -100,13 +103,19 @@ impl Redirect {
         if !names_outputs(file)? {
             return Ok(file.to_owned());
         }
+        if self.depth == DEPTH_MAX {
+            let what = format!("files name each other more than {DEPTH_MAX} deep");
+            return Err(SumoFileError::Include { path: file.to_owned(), what, chain: file.display().to_string() });
+        }
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let copy = self.own(name.trim_end_matches(".gz"));
         self.copies.insert(file.to_owned(), copy.clone());
         std::fs::create_dir_all(&self.folder).map_err(unwritable(&self.folder))?;
         let text = File::create(&copy).map_err(unwritable(&copy))?;
         let mut writer = Writer::new(BufWriter::new(text));
+        self.depth += 1;
         self.rewrite(file, &copy, &mut writer)?;
+        self.depth -= 1;
         writer.into_inner().flush().map_err(unwritable(&copy))?;
         Ok(copy)
     }
@@ -144,6 +153,8 @@ impl Redirect {
                 self.target(folder, &value)
             } else if element == "include" && name == "href" {
                 self.loaded(&absolute(folder, Path::new(&value)))?.to_string_lossy().into_owned()
+            } else if let Some(read) = read_by(element, name, folder, &value)? {
+                self.loaded(&read)?.to_string_lossy().into_owned()
             } else if READ.contains(&name) && absolute(folder, Path::new(&value)).is_file() {
                 absolute(folder, Path::new(&value)).to_string_lossy().into_owned()
             } else {
@@ -157,36 +168,49 @@ impl Redirect {
 
 /// Whether an attribute of an element names a file to write.
 pub(super) fn writes_file(element: &str, attribute: &str) -> bool {
-    WRITTEN.contains(&(element, attribute))
+    let written = WRITTEN.contains(&attribute) || (element, attribute) == ("timedEvent", "dest");
+    written && !READERS.contains(&(element, attribute))
 }
 
 /// Whether the value of a parameter names a file to write: that of a traffic light's program, or of a device of a vehicle.
 fn is_output_param(element: &str, parent: &str, key: impl FnOnce() -> Option<String>) -> bool {
     element == "param"
-        && key().is_some_and(|k| k.starts_with("device.") && writes(&k) || k == "file" && parent == "tlLogic")
-}
-
-/// Standard streams, the void and network sockets (`host:port`).
-pub(super) fn is_no_file(value: &str) -> bool {
-    let socket = value.rsplit_once(':').is_some_and(|(host, port)| !host.contains('/') && port.parse::<u16>().is_ok());
-    ["", "-", "stdout", "stderr", "nul", "/dev/null", "/dev/stdout", "/dev/stderr"]
-        .contains(&value.to_lowercase().as_str())
-        || socket
+        && key().is_some_and(|k| {
+            let of_device = k.starts_with("device.") && (writes(&k) || k.ends_with(".file") || k.ends_with(".files"));
+            of_device && !READ_PARAMS.contains(&k.as_str()) || k == "file" && !FREE.contains(&parent)
+        })
 }
 
 fn unwritable(file: &Path) -> impl Fn(io::Error) -> SumoFileError {
     move |reason| SumoFileError::Unwritable { path: file.to_owned(), reason }
 }
 
-/// Whether a file, or one that it includes, names files to write.
+/// The file of SUMO's XML that an attribute of an element names to be read: that of a calibrator has vTypes.
+fn read_by(element: &str, attribute: &str, folder: &Path, value: &str) -> Result<Option<PathBuf>, SumoFileError> {
+    let path = absolute(folder, Path::new(value));
+    let is_read = READERS.contains(&(element, attribute)) && path.is_file() && is_xml(&path)?;
+    Ok(is_read.then_some(path))
+}
+
+/// Whether a file, or one that is read with it, names files to write. All of them are read, so that what includes too
+/// much is refused.
 fn names_outputs(file: &Path) -> Result<bool, SumoFileError> {
-    let mut found = false;
-    Files::default().each(file, &mut |_, element| {
-        let name = element.name();
-        found |= WRITTEN.iter().any(|(e, a)| *e == name && element.attribute(a).is_some())
-            || is_output_param(name, element.parent, || element.attribute("key"));
-        if found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })?;
+    let (mut found, mut files) = (false, Files::of_any_root());
+    let mut open = vec![file.to_owned()];
+    while let Some(file) = open.pop() {
+        files.each(&file, &mut |file, element| {
+            let name = element.name();
+            found = found
+                || element.has_attribute(|attribute| writes_file(name, attribute))
+                || is_output_param(name, element.parent, || element.attribute("key"));
+            let readers = READERS.iter().filter(|(reader, _)| *reader == name);
+            let named = readers.filter_map(|(_, attribute)| element.attribute(attribute));
+            let folder = file.parent().unwrap_or(Path::new(""));
+            let paths = named.map(|value| absolute(folder, Path::new(&value)));
+            open.extend(paths.filter(|path| path.is_file() && is_xml(path).is_ok_and(|is_xml| is_xml)));
+            ControlFlow::Continue(())
+        })?;
+    }
     Ok(found)
 }
 
@@ -206,6 +230,8 @@ mod tests {
         for none in ["NUL", "stdout", "-", "localhost:9000", "/dev/null"] {
             assert_eq!(target("/cfg", none), none);
         }
+        assert_eq!(target("/cfg", "Stdout"), "/r/Stdout", "SUMO knows stdout and STDOUT alone");
+        assert_eq!(target("/cfg", "a:99999"), "/r/a_99999", "or SUMO would look for a host");
         assert_eq!(redirect.own("statistics.xml"), Path::new("/r/2_statistics.xml"));
         assert_eq!(redirect.own("statistics.xml"), Path::new("/r/3_statistics.xml"));
         redirect.take_prefix("../../deep/x_TIME");

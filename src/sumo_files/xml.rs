@@ -26,6 +26,9 @@ const DEPTH_MAX: usize = 256;
 /// The largest element, comment or text \[bytes\].
 const EVENT_MAX: usize = 64 << 20;
 
+/// The largest text that is written by hand \[bytes\].
+const TEXT_MAX: u64 = 64 << 20;
+
 /// The bytes in which the XML declaration must stand.
 const HEAD: u64 = 256;
 
@@ -48,6 +51,11 @@ impl Element<'_> {
 
     pub fn attribute(&self, name: &str) -> Option<String> {
         attribute(self.tag, name)
+    }
+
+    /// Whether it has an attribute with such a name.
+    pub fn has_attribute(&self, is_such: impl Fn(&str) -> bool) -> bool {
+        self.tag.attributes().with_checks(false).flatten().any(|found| is_such(found.key.into_inner()))
     }
 
     /// Whether this is a parameter of this key.
@@ -126,6 +134,11 @@ impl<'a> Xml<'a> {
             }
         };
         match &event {
+            // SUMO would put in what it defines: further elements, attributes, or texts without end.
+            Event::DocType(text) if ["[", "SYSTEM", "PUBLIC"].iter().any(|part| text.contains(part)) => {
+                let what = "a document type definition, which files of SUMO have no need of";
+                return Err(content(&self.path, line, what.to_owned()));
+            }
             Event::Start(_) if self.open.len() == DEPTH_MAX => {
                 return Err(content(&self.path, line, format!("elements nested more than {DEPTH_MAX} deep")));
             }
@@ -162,6 +175,11 @@ impl<'a> Xml<'a> {
     /// Whether all that was read is a whole file: its root is closed. False if it breaks off.
     pub fn is_whole(&self) -> bool {
         self.rooted && !self.cut && self.open.is_empty()
+    }
+
+    /// Whether an element was read.
+    pub fn is_rooted(&self) -> bool {
+        self.rooted
     }
 
     /// Something that is wrong with the file as a whole, told with the line that was read last.
@@ -234,6 +252,10 @@ impl BufRead for Utf8<'_> {
             self.ended = last && result == CoderResult::InputEmpty;
             self.ready = 0..written;
             self.since_event += written;
+            // SUMO reads encodings that are not known here, and XML knows no such character.
+            if self.chunk[..written].contains(&0) {
+                return Err(io::Error::new(ErrorKind::InvalidData, "a character 0: its encoding is not known"));
+            }
             if self.since_event > EVENT_MAX {
                 let what = format!("one element or text of more than {EVENT_MAX} bytes");
                 return Err(io::Error::new(ErrorKind::InvalidData, what));
@@ -257,6 +279,9 @@ fn declared(head: &[u8]) -> io::Result<&'static Encoding> {
         _ => {}
     }
     let text = String::from_utf8_lossy(head);
+    if text.len() as u64 >= HEAD && text.contains("<?xml ") && !text.contains("?>") {
+        return Err(io::Error::new(ErrorKind::InvalidData, format!("an XML declaration of more than {HEAD} bytes")));
+    }
     let declaration = text.trim_start_matches('\u{feff}').strip_prefix("<?xml").and_then(|t| t.split("?>").next());
     let Some(value) = declaration.and_then(|d| d.split_once("encoding")).map(|(_, v)| v.trim_start_matches([' ', '=']))
     else {
@@ -276,6 +301,21 @@ pub(super) fn text(path: &Path) -> Result<String, SumoFileError> {
     let mut text = String::new();
     Utf8::open(path).and_then(|mut file| file.read_to_string(&mut text)).map_err(unreadable(path))?;
     Ok(text)
+}
+
+/// The decoded text of a file that somebody wrote by hand.
+pub(super) fn short_text(path: &Path) -> Result<String, SumoFileError> {
+    Utf8::open(path).and_then(bounded).map_err(unreadable(path))
+}
+
+/// Reads a text that somebody wrote by hand, unless it is one without end.
+pub(crate) fn bounded(file: impl Read) -> io::Result<String> {
+    let mut text = String::new();
+    file.take(TEXT_MAX + 1).read_to_string(&mut text)?;
+    if text.len() as u64 <= TEXT_MAX {
+        return Ok(text);
+    }
+    Err(io::Error::new(ErrorKind::FileTooLarge, format!("more than {TEXT_MAX} bytes")))
 }
 
 /// Whether a file is XML: what its first character that is no space says.

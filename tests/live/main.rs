@@ -8,6 +8,7 @@ mod faults;
 mod foreign;
 mod friction;
 mod grade;
+mod hostile;
 mod identical;
 mod lifecycle;
 mod names;

@@ -90,9 +90,18 @@ fn errors_name_the_line() {
 fn law_hostile_files_are_refused_or_read_within_bounds() {
     let deep = "<a>".repeat(1_000_000);
     assert!(ids(deep.as_bytes()).unwrap_err().to_string().contains("nested more than 256 deep"));
-    // A billion laughs: nothing is expanded.
-    let laughs = "<!DOCTYPE r [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]>\n<r><x id=\"&b;&amp;\"/></r>";
-    assert_eq!(ids(laughs.as_bytes()).unwrap(), (vec!["&b;&amp;".to_owned()], true));
+    // A billion laughs, and attributes that only the definition names.
+    for inner in
+        ["[<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]", "[<!ATTLIST x file CDATA \"y\">]", "SYSTEM \"x.dtd\""]
+    {
+        let error = ids(format!("<r/>\n<!DOCTYPE r {inner}>\n<r><x id=\"&b;&amp;\"/></r>").as_bytes()).unwrap_err();
+        assert!(error.to_string().contains("file.xml:2: a document type definition"), "{error}");
+    }
+    assert_eq!(ids(b"<!DOCTYPE r>\n<r id=\"&b;&amp;\"/>").unwrap(), (vec!["&b;&amp;".to_owned()], true));
+    let wide: Vec<u8> = "\u{feff}<r/>".chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+    assert!(ids(&wide).unwrap_err().to_string().contains("a character 0"));
+    let padded = format!("<?xml version=\"1.0\"{} encoding=\"UTF-7\"?><r/>", " ".repeat(300));
+    assert!(ids(padded.as_bytes()).unwrap_err().to_string().contains("an XML declaration of more than"));
     let huge = gzipped(&[b"<r id=\"".to_vec(), vec![b'x'; EVENT_MAX + CHUNK], b"\"/>".to_vec()].concat());
     assert!(huge.len() < 1 << 20);
     assert!(ids(&huge).unwrap_err().to_string().contains("one element or text of more than"));
