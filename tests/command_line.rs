@@ -30,6 +30,7 @@ fn printed(args: &[&str]) -> String {
     ended.stdout
 }
 
+/// Another program, in a folder.
 fn shell(program: &str, args: &[&str], folder: &Path) -> Output {
     let mut command = Command::new(program);
     command.args(args).current_dir(folder).output().unwrap_or_else(|error| panic!("{program}: {error}"))
@@ -65,15 +66,12 @@ fn bash_completes_subcommands_options_and_values() {
     let folder = tempfile::tempdir().unwrap();
     let script = folder.path().join("sumo-mfc.bash");
     fs::write(&script, printed(&["completions", "bash"])).unwrap();
+    // What readline does: it calls the function that `complete` was told, with the program, the word and the one before.
+    let readline = r#"COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); name=$(complete -p sumo-mfc | sed 's/.*-F \([^ ]*\).*/\1/')
+        $name sumo-mfc "${COMP_WORDS[COMP_CWORD]}" "${COMP_WORDS[COMP_CWORD - 1]}"; printf '%s\n' "${COMPREPLY[@]}""#;
+    let line = format!("source '{}'; {readline}", script.display());
     let complete = |words: &[&str]| {
-        let (last, before) = (words[words.len() - 1], words[words.len() - 2]);
-        let line = format!(
-            "source {}; COMP_WORDS=({}); COMP_CWORD={}; _sumo-mfc sumo-mfc {last:?} {before:?}; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
-            script.display(),
-            words.iter().map(|word| format!("{word:?}")).collect::<Vec<_>>().join(" "),
-            words.len() - 1,
-        );
-        let output = shell("bash", &["--norc", "-c", &line], folder.path());
+        let output = shell("bash", &[&["--norc", "-c", &line, "bash"], words].concat(), folder.path());
         assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
         let text = String::from_utf8(output.stdout).unwrap();
         text.lines().map(str::to_owned).collect::<Vec<_>>()
@@ -110,7 +108,10 @@ fn manual_pages_are_clean_roff() {
     }
     let mut pages = Vec::new();
     for name in &names {
-        let output = shell("groff", &["-man", "-Tutf8", "-Kutf8", "-ww", "-rLL=140n", name], &dir);
+        // -P: grotty without bold and underlined letters, whose escapes would stand between those that are looked for.
+        let plain = ["-P-c", "-P-b", "-P-o", "-P-u"];
+        let output =
+            shell("groff", &[&["-man", "-Tutf8", "-Kutf8", "-ww", "-rLL=140n", name], &plain[..]].concat(), &dir);
         assert!(
             output.status.success() && output.stderr.is_empty(),
             "{name}: {}",
@@ -120,7 +121,6 @@ fn manual_pages_are_clean_roff() {
     }
     let page = &pages[names.iter().position(|name| name == "sumo-mfc-run.1").unwrap()];
     for part in ["NAME", "CONTROLLER AND EGOS", "EXAMPLES", "-- --scale 1.5", "--trace-period"] {
-        // Bold letters come with escapes between the words only.
         assert!(page.contains(part), "no {part}:\n{page}");
     }
     // An example is a line of its own, as in --help.

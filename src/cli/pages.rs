@@ -24,7 +24,10 @@ pub fn completions(shell: Shell) -> String {
     let mut program = program.args(all.get_arguments().cloned()).subcommands(visible);
     let mut text = Vec::new();
     clap_complete::generate(shell, &mut program, PROGRAM, &mut text);
-    String::from_utf8_lossy(&text).into_owned()
+    // clap_complete (4.6) writes the hyphen of a program's name in two ways, so that bash finds no option of a subcommand:
+    // https://github.com/clap-rs/clap/issues/6421. Where it does not, nothing is replaced.
+    let [wrong, right] = ["__subcmd__", "__"].map(|hyphen| PROGRAM.replace('-', hyphen));
+    String::from_utf8_lossy(&text).replace(&wrong, &right)
 }
 
 /// The manual page of the program.
@@ -58,7 +61,7 @@ fn built() -> Command {
 /// One page. The examples keep their lines, which clap_mangen would fill as a paragraph.
 fn page(command: &Command) -> io::Result<String> {
     let mut page = Vec::new();
-    let man = Man::new(command.clone());
+    let man = Man::new(command.clone()).source(format!("{PROGRAM} {}", env!("CARGO_PKG_VERSION"))).manual(PROGRAM);
     man.render_title(&mut page)?;
     man.render_name_section(&mut page)?;
     man.render_synopsis_section(&mut page)?;
