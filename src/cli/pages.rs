@@ -15,9 +15,6 @@ use super::{
 };
 use crate::output::{OutputError, file_error, write_whole};
 
-/// The program in the names of bash's functions.
-const BASH_NAME: &str = "sumo_mfc";
-
 /// The completions of a shell.
 pub fn completions(shell: Shell) -> String {
     let all = Cli::command();
@@ -26,13 +23,11 @@ pub fn completions(shell: Shell) -> String {
     let program = Command::new(PROGRAM).disable_version_flag(true).disable_help_flag(true);
     let mut program = program.args(all.get_arguments().cloned()).subcommands(visible);
     let mut text = Vec::new();
-    if shell != Shell::Bash {
-        clap_complete::generate(shell, &mut program, PROGRAM, &mut text);
-        return String::from_utf8_lossy(&text).into_owned();
-    }
-    // For bash clap_complete (4.6) writes a name with a hyphen in two ways that do not meet.
-    clap_complete::generate(shell, &mut program.name(BASH_NAME), BASH_NAME, &mut text);
-    String::from_utf8_lossy(&text).replace(&format!(" {BASH_NAME}\n"), &format!(" {PROGRAM}\n"))
+    clap_complete::generate(shell, &mut program, PROGRAM, &mut text);
+    // clap_complete (4.6) writes the hyphen of a program's name in two ways, so that bash finds no option of a subcommand:
+    // https://github.com/clap-rs/clap/issues/6421. Where it does not, nothing is replaced.
+    let [wrong, right] = ["__subcmd__", "__"].map(|hyphen| PROGRAM.replace('-', hyphen));
+    String::from_utf8_lossy(&text).replace(&wrong, &right)
 }
 
 /// The manual page of the program.
@@ -66,7 +61,7 @@ fn built() -> Command {
 /// One page. The examples keep their lines, which clap_mangen would fill as a paragraph.
 fn page(command: &Command) -> io::Result<String> {
     let mut page = Vec::new();
-    let man = Man::new(command.clone());
+    let man = Man::new(command.clone()).source(format!("{PROGRAM} {}", env!("CARGO_PKG_VERSION"))).manual(PROGRAM);
     man.render_title(&mut page)?;
     man.render_name_section(&mut page)?;
     man.render_synopsis_section(&mut page)?;

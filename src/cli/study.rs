@@ -129,7 +129,7 @@ fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
     if !args.no_report {
         let page = write_report(&plan.dir)?;
         if !args.quiet && args.export.export.is_none() {
-            print(&line("report", &page.display()))?;
+            print(&line("look at", &page.display()))?;
         }
     }
     failures(failed)
