@@ -396,7 +396,7 @@ fn names_of_tables_and_results() {
 #[test]
 fn files_without_measure() {
     let folder = folder();
-    refused(&folder, &["run", "/dev/zero"], &["/dev/zero: cannot be read: more than"]);
+    refused(&folder, &["run", "/dev/zero"], &["/dev/zero: cannot be read: "]);
     let including = |files: usize, times: usize, more: &str| {
         for i in 0..=files {
             let next = format!("<include href=\"f{}.xml\"/>", i + 1).repeat(if i < files { times } else { 0 });

@@ -56,7 +56,7 @@ The same command goes on where it was interrupted: finished cases are never run 
 /// Examples of `recover`.
 pub const RECOVER: &str = "\
 Examples:
-  sumo-mfc recover out/city-adaptive-42        Its run was killed: what it had written becomes tables
+  sumo-mfc recover out/city-adaptive-42        The run was killed: what it wrote becomes tables
 
 Rows are those of vehicles that had left. The result stays marked incomplete.";
 

@@ -129,7 +129,7 @@ mod tests {
         assert!(markdown.contains(cells), "{markdown}");
         let objects: Vec<serde_json::Value> = serde_json::from_str(&text("json")).unwrap();
         assert_eq!(objects.len(), 2 * METRIC_COUNT);
-        let rms = objects.iter().rfind(|object| object["metric"] == "error_rms").unwrap();
+        let rms = objects.iter().rfind(|object| object["metric"] == "error_rms_mean").unwrap();
         assert_eq!((rms["controller.name"].as_str(), rms["seeds"].as_u64()), (Some("classic"), Some(3)), "{rms}");
         assert!((rms["mean"].as_f64().unwrap() - 2.2).abs() < 1e-12 && rms["diff_boot_low"].is_null(), "{rms}");
         assert_eq!(text("csv").lines().count(), 1 + 2 * METRIC_COUNT);
