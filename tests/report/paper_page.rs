@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::browser::Browser;
 use crate::in_browser::{DESK, PHONE, assert_fits_a_phone, assert_quiet};
 use crate::results::paper;
-use crate::support::{Running, table};
+use crate::support::{Row, Running, table};
 
 /// The titles of what can be seen without unfolding anything.
 const OPEN_TITLES: &str = "[...document.querySelectorAll('h2, h3')].filter((title) => title.checkVisibility()).map((title) => title.textContent)";
@@ -51,7 +51,8 @@ fn the_papers_figures_stand_first_under_their_numbers() {
     assert!(strips.as_u64() > Some(1), "the first is in the legend");
     let shares = browser.js("document.querySelector('#figure-5 svg').textContent");
     let rows = table(&dir.join("results.csv"));
-    let share = rows.iter().find(|r| r["quantity"] == "alpha_nominal_share" && r["noise"] == "off").unwrap();
+    let of_step = |r: &&Row| r["test"] == "step" && r["controller"] == "adaptive" && r["noise"] == "off";
+    let share = rows.iter().filter(of_step).find(|r| r["quantity"] == "alpha_nominal_share").unwrap();
     let share = 100.0 * share["value"].parse::<f64>().unwrap();
     assert!(shares.as_str().unwrap().contains(&format!("nominal {share:.0} % of the time")), "{share}: {shares}");
     assert_quiet(&mut browser);
