@@ -140,7 +140,7 @@ fn row(record: &Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) ->
         duration: Some(milliseconds(ended.unwrap_or(end_s) - depart)),
         timeloss: trip.map(|t| t.time_loss_s).or(record.time_loss_s),
         distance: Some(record.distance_m),
-        stats: record.stats.clone(),
+        stats: record.stats,
         odometer_gap: record.odometer_gap_m,
         collisions: u64::from(record.collisions),
         reason,

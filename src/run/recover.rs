@@ -8,7 +8,7 @@ use crate::output::{file_error, part_of, read_journal, whole_of, write_over};
 use crate::table::{Layout, Shape};
 use std::fs::OpenOptions;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml_edit::DocumentMut;
 
 /// Bytes in which the last line of a trace ends.
@@ -70,7 +70,7 @@ pub fn recover(path: &Path) -> Result<Recovered, RunError> {
 }
 
 /// Makes the table of a journal, in the order of every such table. Returns the number of its rows.
-fn table(path: &PathBuf, shape: &Shape) -> Result<usize, RunError> {
+fn table(path: &Path, shape: &Shape) -> Result<usize, RunError> {
     let layout = Layout::of_texts(shape);
     let mut rows = read_journal(path, shape)?;
     let place = |name: &str| layout.place(name).expect("tables of vehicles have this column");

@@ -124,7 +124,7 @@ mod tests {
                 let (time, distance) = (f64::from(time), f64::from(time - k));
                 let id = ids[k as usize].clone();
                 // It has no place in every third second, as while SUMO carries it.
-                let lane = (time as u32 % 3 > 0).then(|| "a,\"b\"_0".to_owned());
+                let lane = (!(time as u32).is_multiple_of(3)).then(|| "a,\"b\"_0".to_owned());
                 let place = PlaceColumns { x: lane.as_ref().map(|_| 0.5), lane, ..PlaceColumns::default() };
                 let (speed, target, torque) = (1.0, 1.0, -2.5);
                 sampler.write(&SampleRow { time, id, speed, target, distance, torque, place }).unwrap();
@@ -155,7 +155,11 @@ mod tests {
         let places = |line: &String| {
             let (_, place) = line.split_once(",-2.5,").expect("the torque");
             let time: f64 = line.split(',').next().unwrap().parse().unwrap();
-            assert_eq!(place, if time as u32 % 3 > 0 { "0.5,,,\"a,\"\"b\"\"_0\"" } else { ",,," }, "{line}");
+            assert_eq!(
+                place,
+                if !(time as u32).is_multiple_of(3) { "0.5,,,\"a,\"\"b\"\"_0\"" } else { ",,," },
+                "{line}"
+            );
         };
         lines[1..].iter().for_each(places);
     }
