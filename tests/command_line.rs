@@ -119,7 +119,7 @@ fn manual_pages_are_clean_roff() {
             "{name}: {}",
             String::from_utf8_lossy(&output.stderr)
         );
-        pages.push(plain(&String::from_utf8(output.stdout).unwrap()));
+        pages.push(String::from_utf8(output.stdout).unwrap());
     }
     let page = &pages[names.iter().position(|name| name == "sumo-mfc-run.1").unwrap()];
     for part in ["NAME", "CONTROLLER AND EGOS", "EXAMPLES", "-- --scale 1.5", "--trace-period"] {
@@ -127,20 +127,6 @@ fn manual_pages_are_clean_roff() {
     }
     // An example is a line of its own, as in --help.
     assert!(page.lines().filter(|line| line.trim_start().starts_with("sumo-mfc run ")).count() >= 4, "{page}");
-}
-
-/// Text of a terminal without bold: some systems strike letters twice, others write escapes around them.
-fn plain(text: &str) -> String {
-    let mut plain = String::new();
-    let mut letters = text.chars();
-    while let Some(letter) = letters.next() {
-        match letter {
-            '\u{8}' => drop(plain.pop()),
-            '\u{1b}' => drop(letters.by_ref().find(|end| *end == 'm')),
-            _ => plain.push(letter),
-        }
-    }
-    plain
 }
 
 /// A table of GitHub's Markdown: its cells.
