@@ -3,7 +3,7 @@
 use super::atomic::PartFile;
 use super::sink::Sink;
 use super::text::append;
-use crate::table::{Cell, Shape};
+use crate::table::{Cell, Column, Shape};
 use std::io::{self, Write};
 
 struct CsvSink(csv::Writer<PartFile>);
@@ -11,7 +11,7 @@ struct CsvSink(csv::Writer<PartFile>);
 /// Writes the header.
 pub(super) fn open(file: PartFile, shape: &Shape) -> io::Result<Box<dyn Sink>> {
     let mut writer = writer(file);
-    writer.write_record(names(shape))?;
+    writer.write_record(names(&shape.columns))?;
     Ok(Box::new(CsvSink(writer)))
 }
 
@@ -26,9 +26,9 @@ impl Sink for CsvSink {
 }
 
 /// The header alone.
-pub(super) fn header(shape: &Shape) -> io::Result<Vec<u8>> {
+pub(super) fn header(columns: &[Column]) -> io::Result<Vec<u8>> {
     let mut writer = writer(Vec::new());
-    writer.write_record(names(shape))?;
+    writer.write_record(names(columns))?;
     writer.into_inner().map_err(csv::IntoInnerError::into_error)
 }
 
@@ -43,8 +43,8 @@ fn writer<W: Write>(to: W) -> csv::Writer<W> {
     csv::WriterBuilder::new().terminator(csv::Terminator::Any(b'\n')).from_writer(to)
 }
 
-fn names(shape: &Shape) -> impl Iterator<Item = &String> {
-    shape.columns.iter().map(|column| &column.name)
+fn names(columns: &[Column]) -> impl Iterator<Item = &String> {
+    columns.iter().map(|column| &column.name)
 }
 
 fn write_row<W: Write>(writer: &mut csv::Writer<W>, cells: &mut dyn Iterator<Item = Cell<'_>>) -> io::Result<()> {

@@ -24,7 +24,8 @@ impl<R> Journal<R> {
     /// [`OutputError::File`] if the file cannot be made.
     pub fn create(path: &Path, layout: &'static Layout<R>) -> Result<Self, OutputError> {
         let part = part_of(path);
-        let made = File::create(&part).and_then(|mut file| file.write_all(&header(&layout.shape)?).map(|()| file));
+        let made =
+            File::create(&part).and_then(|mut file| file.write_all(&header(&layout.shape.columns)?).map(|()| file));
         let file = made.map_err(file_error("create", &part))?;
         Ok(Self { layout, path: path.to_owned(), file })
     }
@@ -85,7 +86,7 @@ pub fn read_journal(path: &Path, shape: &Shape) -> Result<Vec<Vec<String>>, Outp
     let read = || -> io::Result<Vec<Vec<String>>> {
         let mut bytes = std::fs::read(&part)?;
         bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
-        let rest = bytes.strip_prefix(header(shape)?.as_slice()).ok_or_else(|| {
+        let rest = bytes.strip_prefix(header(&shape.columns)?.as_slice()).ok_or_else(|| {
             io::Error::new(ErrorKind::InvalidData, "its first line is not that of a table of this version")
         })?;
         let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(false).from_reader(rest);

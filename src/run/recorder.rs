@@ -113,7 +113,10 @@ impl Recorder {
             // Where the disk is full, what the sampler holds of it is better used for these.
             Err(error) => {
                 drop(sampler);
-                (whole().map_err(|_| error), Ok(()))
+                match whole() {
+                    Ok(()) => (Ok(()), Err(error)),
+                    Err(_) => (Err(error), Ok(())),
+                }
             }
         };
         let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges);

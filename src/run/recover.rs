@@ -44,8 +44,13 @@ pub fn recover(path: &Path) -> Result<Recovered, RunError> {
     let (vehicles, trace) = (named("vehicles", "vehicles.csv"), named("trace_file", "trace.csv"));
     let mut tables = Vec::new();
     for (name, shape) in [(vehicles.as_str(), &VEHICLES.shape), ("quality.csv", &QUALITY.shape)] {
-        if part_of(&dir.file(name)).is_file() {
-            tables.push((name.to_owned(), Some(table(&dir.file(name), shape)?)));
+        let (whole, journal) = (dir.file(name), part_of(&dir.file(name)));
+        if whole.is_file() && journal.is_file() {
+            // The program ended between the two: the table has more than its journal.
+            std::fs::remove_file(&journal).map_err(file_error("remove", &journal))?;
+            tables.push((name.to_owned(), None));
+        } else if journal.is_file() {
+            tables.push((name.to_owned(), Some(table(&whole, shape)?)));
         }
     }
     let left = part_of(&dir.file(&trace));
@@ -93,4 +98,30 @@ fn cut_torn_line(path: &Path) -> std::io::Result<()> {
     file.read_to_end(&mut end)?;
     let whole = end.iter().rposition(|byte| *byte == b'\n').map_or(0, |place| place as u64 + 1);
     file.set_len(begin + whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::rows::tests::vehicle;
+    use super::*;
+    use crate::output::{Journal, write_table};
+
+    #[test]
+    fn a_table_that_is_whole_is_not_replaced_by_its_journal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("vehicles.csv");
+        let manifest = Manifest::new(1, String::new(), Vec::new());
+        ResultDir::create(folder.path(), false).unwrap().write_manifest(&manifest).unwrap();
+        let rows = [vehicle("a", 1.0), vehicle("b", 2.0)];
+        Journal::create(&path, &VEHICLES).unwrap().append(&rows[..1]).unwrap();
+        // Killed after the table had its name, before the journal was gone.
+        let journal = std::fs::read(part_of(&path)).unwrap();
+        write_table(&path, &VEHICLES, &rows).unwrap();
+        std::fs::write(part_of(&path), journal).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        assert_eq!(recover(folder.path()).unwrap().tables, [("vehicles.csv".to_owned(), None)]);
+        assert_eq!(std::fs::read(&path).unwrap(), whole);
+        assert!(!part_of(&path).exists());
+        assert_eq!(Manifest::read(&folder.path().join(MANIFEST)).unwrap().status, Status::Incomplete);
+    }
 }
