@@ -14,6 +14,7 @@ mod head;
 mod number;
 mod road_map;
 mod run_page;
+mod safety;
 mod study_data;
 mod study_figures;
 mod study_page;

@@ -27,7 +27,7 @@ mod xml;
 
 pub(crate) use arguments::ours;
 pub use arguments::{SIGNALS, SumoCommand, sumo_arguments};
-pub use conflicts::Conflicts;
+pub use conflicts::{Conflict, Conflicts, each_conflict};
 pub(crate) use demand::{Demand, LeftOpen, Param};
 pub use equipped::Equipped;
 pub use error::SumoFileError;

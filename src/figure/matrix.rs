@@ -28,7 +28,7 @@ impl Figure {
     /// Draws a table of values.
     pub fn matrix(name: &str, matrix: &Matrix) -> Self {
         const CELL: f64 = 30.0;
-        const TOP: f64 = 54.0;
+        const TOP: f64 = 66.0;
         let longest = matrix.rows.iter().map(|row| row.chars().count()).max().unwrap_or(0);
         let left = 34.0 + (7.0 * longest as f64).min(200.0);
         let width = (WIDTH - left - 16.0) / matrix.columns.len().max(1) as f64;
@@ -38,7 +38,7 @@ impl Figure {
             let middle = left + (c as f64 + 0.5) * width;
             let _ = write!(
                 body,
-                "<text class=\"soft\" x=\"{middle:.1}\" y=\"46\" text-anchor=\"middle\">{}</text>",
+                "<text class=\"soft\" x=\"{middle:.1}\" y=\"58\" text-anchor=\"middle\">{}</text>",
                 escape(column)
             );
         }

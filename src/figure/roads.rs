@@ -24,6 +24,8 @@ pub struct Road {
 /// Something that happened at a place.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Event {
+    /// Its class among the styles: `event` or `conflict`.
+    pub class: &'static str,
     /// Where \[m\].
     pub place: [f64; 2],
     /// What.
@@ -84,7 +86,8 @@ impl Figure {
             let [x, y] = place(&event.place);
             let _ = write!(
                 body,
-                "<circle class=\"event\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"><title>{}</title></circle>",
+                "<circle class=\"{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"5\"><title>{}</title></circle>",
+                event.class,
                 escape(&event.text)
             );
         }

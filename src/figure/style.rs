@@ -17,10 +17,11 @@ const BASE: &str = "\
 .fig .road{stroke-width:3;stroke-linecap:round;vector-effect:non-scaling-stroke}\
 .fig .empty{stroke:#c9d0d9;stroke-width:1.2;vector-effect:non-scaling-stroke}\
 .fig .event{fill:#c2185b;stroke:#fff;stroke-width:1.5;vector-effect:non-scaling-stroke}.fig .full{fill:currentColor;stroke:none}\
+.fig .conflict{fill:none;stroke:#c2185b;stroke-width:1.6;vector-effect:non-scaling-stroke}\
 .fig .value{font-size:12px}\
 @media(prefers-color-scheme:dark){.fig{color:#e4e9f0;background:#151a21}.fig .soft{fill:#9aa7b8}.fig .grid{stroke:#2a323d}\
 .fig .axis{stroke:#66717f}.fig .plot{fill:#1a2029}.fig .reference{stroke:#9aa7b8}.fig .mark{stroke:#ff6fa3}\
-.fig .empty{stroke:#3b4553}.fig .event{fill:#ff6fa3;stroke:#151a21}}";
+.fig .empty{stroke:#3b4553}.fig .event{fill:#ff6fa3;stroke:#151a21}.fig .conflict{stroke:#ff6fa3}}";
 
 /// The hues in light and dark. Neighbours stay apart for every kind of colour vision.
 const HUES: [[&str; 2]; 8] = [

@@ -4,8 +4,9 @@ use super::error::ReportError;
 use super::table::{SchemaInfo, Table};
 use crate::output::{file_error, part_of};
 use crate::run::{Input, MANIFEST, Manifest, Summary};
-use crate::sumo_files::{Incident, NetworkRoad, incidents, is_network, network_roads};
+use crate::sumo_files::{Conflict, Incident, NetworkRoad, each_conflict, incidents, is_network, network_roads};
 use serde::de::DeserializeOwned;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// What a run has left. What is missing is `None`, and `missing` says why.
@@ -29,6 +30,8 @@ pub struct RunData {
     pub roads: Option<Vec<NetworkRoad>>,
     /// Collisions, teleports and emergency braking in SUMO's log.
     pub incidents: Option<Vec<Incident>>,
+    /// Conflicts that SUMO measured, the severest first, if any vehicle had the device.
+    pub conflicts: Option<Vec<Conflict>>,
     /// What is not there, and why, one sentence each.
     pub missing: Vec<String>,
 }
@@ -89,9 +92,37 @@ impl RunData {
             missing.push("quality.csv is not of the vehicles of the table of vehicles: it is left out.".to_owned());
         }
         let roads = roads(&manifest, &mut missing);
+        let conflicts = conflicts(&manifest, dir, &mut missing);
         let dir = dir.to_owned();
-        Ok(Self { dir, manifest, summary, vehicles, edges, sample, trace, roads, incidents, missing })
+        Ok(Self { dir, manifest, summary, vehicles, edges, sample, trace, roads, incidents, conflicts, missing })
     }
+}
+
+/// The conflicts of SUMO's SSM devices: of the two entries of a pair that both have the device, one.
+fn conflicts(manifest: &Manifest, dir: &Path, missing: &mut Vec<String>) -> Option<Vec<Conflict>> {
+    let path = manifest.written(dir, "--device.ssm.file").filter(|path| path.is_file())?;
+    let mut seen = BTreeSet::new();
+    let mut all = Vec::new();
+    let read = each_conflict(&path, |conflict| {
+        let (ego, foe) = (conflict.ego.clone(), conflict.foe.clone());
+        let pair = if ego < foe { [ego, foe] } else { [foe, ego] };
+        let place = conflict.place.map(|place| place.map(f64::to_bits));
+        if seen.insert((pair, conflict.time_s.map(f64::to_bits), place)) {
+            all.push(conflict);
+        }
+    });
+    if let Err(error) = read {
+        missing.push(format!("{error}: conflicts after that are left out."));
+    }
+    all.sort_by(|a, b| severity(a).total_cmp(&severity(b)));
+    Some(all)
+}
+
+/// The less, the severer: the shortest time between the two \[s\]; without one, what braking was needed.
+fn severity(conflict: &Conflict) -> f64 {
+    let times = [conflict.ttc_min_s, conflict.pet_s];
+    let shortest = times.into_iter().flatten().reduce(f64::min);
+    shortest.unwrap_or_else(|| 1e6 - conflict.drac_max_mps2.unwrap_or(0.0))
 }
 
 /// The network that the manifest names, if it is still there.

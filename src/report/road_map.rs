@@ -4,7 +4,7 @@ use super::data::RunData;
 use super::table::Table;
 use crate::figure::{Event, Figure, Ramp, Road, Roads};
 use crate::page::FigureView;
-use crate::sumo_files::{Incident, NetworkRoad};
+use crate::sumo_files::{Conflict, Incident, NetworkRoad};
 use std::collections::BTreeMap;
 
 /// Columns of `edges.csv` that colour the roads, the first that is there, and the words for it.
@@ -12,8 +12,10 @@ const COLUMNS: [(&str, &str); 3] =
     [("speed_gap_rms", "RMS speed gap"), ("error_rms", "RMS tracking error"), ("speed_mean", "mean speed")];
 /// Roads up to which those within junctions are drawn, too.
 const SMALL: usize = 4000;
-/// Incidents that are drawn; more would hide the roads.
+/// Incidents, and conflicts, that are drawn; more would hide the roads.
 const DRAWN: usize = 500;
+/// A vehicle may stand beside the middle of its road by so much \[m\].
+const MARGIN_M: f64 = 50.0;
 
 /// The maps of all runs, with one scale of colour, for each column that the tables have.
 pub fn maps(runs: &[RunData], names: &[Option<&str>]) -> Vec<FigureView> {
@@ -48,33 +50,66 @@ fn map(
         shape: road.shape.clone(),
         value: values.get(road.edge.as_str()).copied(),
     };
-    let incidents = run.incidents.as_deref().unwrap_or_default();
+    let incidents = incident_events(network, run.incidents.as_deref().unwrap_or_default());
+    let conflicts = conflict_events(network, run.conflicts.as_deref().unwrap_or_default());
+    let dots = match incidents.len() {
+        0 => String::new(),
+        n => format!(" Dots: {n} safety events of SUMO's log, in the middle of their lanes' roads."),
+    };
+    let rings = match (conflicts.len(), run.conflicts.as_ref().map_or(0, Vec::len)) {
+        (0, 0) => String::new(),
+        (drawn, all) if drawn < all => format!(
+            " Rings: {drawn} of {all} conflicts that SUMO measured, the severest that have a place on this map."
+        ),
+        (drawn, _) => format!(" Rings: {drawn} conflicts that SUMO measured, where they were at their worst."),
+    };
     let (file, of) = name.map_or_else(Default::default, |name| (format!("_{name}"), format!(", {name}")));
     let roads = Roads {
         title: format!("{}{of}", capital(words)),
         unit: "[m/s]",
         ramp: ramp.clone(),
         roads: network.iter().filter(drawn).map(road).collect(),
-        events: events(network, incidents),
-    };
-    let dots = match roads.events.len() {
-        0 => String::new(),
-        n => format!(" Dots: {n} safety events of SUMO's log, in the middle of their lanes' roads."),
+        events: conflicts.into_iter().chain(incidents).collect(),
     };
     let caption = format!(
-        "Roads of the network by the {words} of the vehicles on them, in m/s ({column} of edges.csv); grey: no equipped vehicle was there.{dots}"
+        "Roads of the network by the {words} of the vehicles on them, in m/s ({column} of edges.csv); grey: no equipped vehicle was there.{dots}{rings}"
     );
     Some(FigureView::new(&Figure::roads(&format!("map_{column}{file}"), &roads), caption).zoomed())
 }
 
 /// Incidents at the middle of their road: the log names the lane, not the place on it.
-fn events(network: &[NetworkRoad], incidents: &[Incident]) -> Vec<Event> {
+fn incident_events(network: &[NetworkRoad], incidents: &[Incident]) -> Vec<Event> {
     let shapes: BTreeMap<&str, &NetworkRoad> = network.iter().map(|road| (road.edge.as_str(), road)).collect();
     let place = |incident: &Incident| {
         let edge = incident.lane.rsplit_once('_').map_or(incident.lane.as_str(), |(edge, _)| edge);
-        Some(Event { place: middle(&shapes.get(edge)?.shape), text: incident.text.clone() })
+        Some(Event { class: "event", place: middle(&shapes.get(edge)?.shape), text: incident.text.clone() })
     };
     incidents.iter().filter_map(place).take(DRAWN).collect()
+}
+
+/// Conflicts at their places, the severest on top; those that are not on the map (`device.ssm.geo`) are left out.
+fn conflict_events(network: &[NetworkRoad], conflicts: &[Conflict]) -> Vec<Event> {
+    let corners = || network.iter().flat_map(|road| &road.shape);
+    let ends = [0, 1].map(|k| {
+        let [low, high] = [f64::min, f64::max].map(|choose| corners().map(|corner| corner[k]).reduce(choose));
+        low.unwrap_or(0.0) - MARGIN_M..=high.unwrap_or(0.0) + MARGIN_M
+    });
+    let event = |conflict: &Conflict| {
+        let place = conflict.place.filter(|place| ends.iter().zip(place).all(|(ends, x)| ends.contains(x)))?;
+        let measure = |name, value: Option<f64>, unit| value.map(|value| format!(", {name} {value:.2} {unit}"));
+        let measures = [
+            measure("TTC", conflict.ttc_min_s, "s"),
+            measure("DRAC", conflict.drac_max_mps2, "m/s²"),
+            measure("PET", conflict.pet_s, "s"),
+        ];
+        let time = conflict.time_s.map(|time| format!(", time {time:.2} s")).unwrap_or_default();
+        let measures: String = measures.into_iter().flatten().collect();
+        let text = format!("conflict of {} and {}{time}{measures}", conflict.ego, conflict.foe);
+        Some(Event { class: "conflict", place, text })
+    };
+    let mut events: Vec<Event> = conflicts.iter().filter_map(event).take(DRAWN).collect();
+    events.reverse();
+    events
 }
 
 /// The point half-way along a shape.

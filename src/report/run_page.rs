@@ -8,14 +8,11 @@ use super::groups::{NAMES, groups};
 use super::head;
 use super::number::counted;
 use super::road_map::maps;
+use super::safety::safety_section;
 use super::traces;
 use super::vehicles;
-use crate::page::{Cell, Head, Page, Section, TableView};
+use crate::page::{Page, Section};
 use crate::registry::nearest;
-use std::collections::BTreeMap;
-
-/// Lines of SUMO's log that are shown of each kind.
-const LINES: usize = 20;
 
 /// What a page takes without figures and data: styles, script, tables \[bytes\].
 const OWN: usize = 150_000;
@@ -117,35 +114,5 @@ fn error_section(runs: &[RunData]) -> Section {
     let columns = ["error_rms", "speed_gap_rms", "overshoot_max", "error_max_abs"];
     section.figures.extend(boxes(runs, &groups, &columns, "m/s"));
     section.figures.extend(distribution(runs, &groups, "timeloss"));
-    section
-}
-
-/// What SUMO's log says about dangerous moments.
-fn safety_section(runs: &[RunData], names: &[Option<&str>]) -> Section {
-    let mut section = Section { id: "safety".into(), title: "Safety events".into(), ..Section::default() };
-    for (run, name) in runs.iter().zip(names) {
-        let Some(incidents) = &run.incidents else { continue };
-        let of = name.map(|name| format!("{name}: ")).unwrap_or_default();
-        if incidents.is_empty() {
-            section.text.push(format!("{of}SUMO's log names no collision, no teleport and no emergency braking."));
-            continue;
-        }
-        let mut kinds: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-        for incident in incidents {
-            kinds.entry(incident.kind).or_default().push(&incident.text);
-        }
-        for (kind, lines) in kinds {
-            let rows = lines.iter().take(LINES).map(|line| vec![Cell::text(*line)]).collect();
-            let first = if lines.len() > LINES { format!(", the first {LINES}") } else { String::new() };
-            section.tables.push(TableView {
-                id: format!("safety-{}{}", kind.replace(' ', "-"), name.unwrap_or_default()),
-                caption: "Warnings of SUMO's log (sumo/sumo.log), of all vehicles, equipped or not.".into(),
-                fold: format!("{of}{kind}: {}{first}", counted(lines.len(), "warning", "warnings")),
-                open: lines.len() <= 5,
-                head: vec![Head::text("warning", "")],
-                rows,
-            });
-        }
-    }
     section
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How far a run has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -95,6 +95,12 @@ impl Manifest {
     pub fn read(path: &Path) -> Result<Self, OutputError> {
         let text = std::fs::read_to_string(path).map_err(file_error("read", path))?;
         serde_json::from_str(&text).map_err(|error| file_error("read", path)(error.into()))
+    }
+
+    /// The file that an option of SUMO named, in the result folder `dir`, which may have been written where the folder was elsewhere.
+    pub fn written(&self, dir: &Path, option: &str) -> Option<PathBuf> {
+        let option = self.sumo_command.iter().rposition(|word| word == option)?;
+        Some(dir.join("sumo").join(Path::new(self.sumo_command.get(option + 1)?).file_name()?))
     }
 
     /// What makes the run: SHA-256 of the resolved scenario, all inputs, and the versions of this program and of SUMO.

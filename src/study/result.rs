@@ -8,7 +8,6 @@ use super::vehicles::Vehicles;
 use crate::output::file_error;
 use crate::run::{MANIFEST, Manifest, Summary};
 use crate::sumo_files::{Conflicts, Trips};
-use std::path::{Path, PathBuf};
 
 /// What a case came to.
 #[derive(Debug)]
@@ -37,7 +36,7 @@ impl CaseResult {
         let summary: Summary = serde_json::from_str(&text).map_err(|error| file_error("read", &path)(error.into()))?;
         let manifest = Manifest::read(&dir.join(MANIFEST))?;
         // A run whose tripinfo cannot be read has said so; its time losses are missing.
-        let named = |option| written(&dir, &manifest.sumo_command, option);
+        let named = |option| manifest.written(&dir, option);
         let trips = named("--tripinfo-output").and_then(|path| Trips::read(&path).ok()).unwrap_or_default();
         let mut vehicles = Vehicles::of_trips(&trips);
         vehicles.take_table(&dir.join(&setting.scenario.output.vehicles))?;
@@ -52,10 +51,4 @@ impl CaseResult {
         let values = METRICS.each_ref().map(|metric| (metric.read)(totals).filter(|value| value.is_finite()));
         Ok(Self { state, values, vehicles })
     }
-}
-
-/// The file of an option of SUMO, which may have been written where the folder was elsewhere.
-fn written(dir: &Path, command: &[String], option: &str) -> Option<PathBuf> {
-    let option = command.iter().rposition(|word| word == option)?;
-    Some(dir.join("sumo").join(Path::new(command.get(option + 1)?).file_name()?))
 }

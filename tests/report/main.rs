@@ -99,6 +99,35 @@ fn every_figure_is_a_file_too() {
 }
 
 #[test]
+fn conflicts_stand_on_the_map_once_at_their_places() {
+    let run = city();
+    let log = fs::read_to_string(run.join("sumo/ssm.xml")).unwrap();
+    let conflict = regex::Regex::new(r#"(?s)<conflict [^>]*ego="([^"]+)" foe="([^"]+)">(.*?)</conflict>"#).unwrap();
+    let measure = regex::Regex::new(r#"time="([0-9.]+)" position="([0-9.,-]+)""#).unwrap();
+    let pairs: std::collections::BTreeSet<[String; 4]> = conflict
+        .captures_iter(&log)
+        .map(|found| {
+            let (ego, foe) = (found[1].to_owned(), found[2].to_owned());
+            let first = measure.captures(&found[3]).expect("a measure with a value");
+            [ego.clone().min(foe.clone()), ego.max(foe), first[1].to_owned(), first[2].to_owned()]
+        })
+        .collect();
+    assert!(pairs.len() > 5, "the city has conflicts: {}", pairs.len());
+    let map = fs::read_to_string(run.join("report/map_error_rms.svg")).unwrap();
+    assert_eq!(map.matches("class=\"conflict\"").count(), pairs.len());
+    let page = fs::read_to_string(run.join("report.html")).unwrap();
+    let table = Cells::of(&page, "safety-conflicts");
+    assert_eq!(table.rows.len(), pairs.len().min(50));
+    assert!(page.contains(&format!("Rings: {} conflicts", pairs.len())), "the caption says what the rings are");
+    let column = |name: &str| table.head.iter().position(|head| head.starts_with(name)).unwrap();
+    let times =
+        |row: &Vec<String>| [column("TTC"), column("PET")].map(|c| row[c].parse::<f64>().unwrap_or(f64::INFINITY));
+    let shortest: Vec<f64> =
+        table.rows.iter().map(|row| times(row).into_iter().fold(f64::INFINITY, f64::min)).collect();
+    assert!(shortest.is_sorted(), "the severest first: {shortest:?}");
+}
+
+#[test]
 fn hostile_ids_are_text() {
     let dir = copied(city());
     with_vehicles(dir.path(), |rows| {

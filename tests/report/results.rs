@@ -39,7 +39,7 @@ impl Kept {
 pub fn city() -> &'static Path {
     static CITY: Kept = Kept(OnceLock::new());
     CITY.get("city", |dir| {
-        let args = ["--end", "90", "--trace", "0,5,9", "--force"];
+        let args = ["--end", "90", "--trace", "0,5,9", "--safety", "--force"];
         let ended = Running::start(run_command(NEW, &repository("scenarios/city.toml"), dir, &args)).wait();
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     })
