@@ -34,6 +34,16 @@ use std::path::PathBuf;
 use std::sync::OnceLock;
 pub use verdict::Verdict;
 
+/// What the command leaves in its folder: name, meaning, when.
+pub const FILES: [[&str; 3]; 6] = [
+    ["index.html", "The figures and tables of the paper beside ours, with a verdict for every number", "always"],
+    ["results.csv", "Every number: test, preset, controller, ours, the paper's, verdict", "always"],
+    ["figures/", "The figures of the page, as SVG", "always"],
+    ["series/", "The curves of the figures, as CSV", "always"],
+    ["scenarios/", "The scenarios of the tests, to be changed", "unless the working directory has `scenarios/paper`"],
+    ["map_summary.csv", "How the laws do beside each other over the map", "with `map`"],
+];
+
 /// Runs a test under one preset.
 pub type Run = fn(&Lab, &Preset) -> Result<Finding, PaperError>;
 

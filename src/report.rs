@@ -24,4 +24,4 @@ mod vehicles;
 mod write;
 
 pub use error::ReportError;
-pub use write::{Request, Written, report};
+pub use write::{FILES, Request, Written, report};

@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use sumo_mfc::run::{FileSchema, Schema};
-use sumo_mfc::study::{case_layout, comparison_layout, joined_layout};
+use sumo_mfc::run::Schema;
+use sumo_mfc::study::study_schema;
 
 /// The tables in the order of the page.
 const FILES: [&str; 9] = [
@@ -23,11 +23,7 @@ const FILES: [&str; 9] = [
 
 fn page() -> String {
     let run = serde_json::to_value(Schema::of_run("vehicles.csv", true, Some("trace.csv"))).unwrap();
-    let study = Schema::new([
-        ("cases.csv", FileSchema::of_table(&case_layout(&[]).shape)),
-        ("vehicles.parquet", FileSchema::of_table(&joined_layout(&[]).shape)),
-        ("comparison.csv", FileSchema::of_table(&comparison_layout(&[]).shape)),
-    ]);
+    let study = study_schema(&[], |_| true);
     let study = serde_json::to_value(study).unwrap();
     let mut page = String::from(
         "# Columns of the result files\n\n\

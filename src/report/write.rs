@@ -10,6 +10,12 @@ use crate::page::{Maker, Page, Section, html};
 use crate::run::MANIFEST;
 use std::path::{Path, PathBuf};
 
+/// What a report leaves in the folder of a result: name, meaning.
+pub const FILES: [[&str; 2]; 2] = [
+    ["report.html", "The result as a page, which needs no other file and no network"],
+    ["report/", "The figures of the page, as SVG"],
+];
+
 /// What a report is made of.
 #[derive(Debug, Clone, Default)]
 pub struct Request {

@@ -19,17 +19,30 @@ pub struct FileSchema {
     /// Fields of a JSON file, with the names of the objects that they are in.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     fields: Vec<Column>,
+    /// When it is written; for the reference, the schema stands beside files that are there.
+    #[serde(skip)]
+    when: &'static str,
 }
+
+/// The most usual case.
+const ALWAYS: &str = "always";
 
 impl FileSchema {
     /// A table.
     pub fn of_table(shape: &Shape) -> Self {
-        Self { meaning: shape.meaning, row: Some(shape.row), columns: shape.columns.clone(), fields: Vec::new() }
+        let (meaning, columns) = (shape.meaning, shape.columns.clone());
+        Self { meaning, row: Some(shape.row), columns, fields: Vec::new(), when: ALWAYS }
     }
 
     /// A file that is no table.
     pub fn of_file(meaning: &'static str, fields: Vec<Column>) -> Self {
-        Self { meaning, row: None, columns: Vec::new(), fields }
+        Self { meaning, row: None, columns: Vec::new(), fields, when: ALWAYS }
+    }
+
+    /// Written only in some cases.
+    #[must_use]
+    pub fn when(self, when: &'static str) -> Self {
+        Self { when, ..self }
     }
 }
 
@@ -63,8 +76,14 @@ impl Schema {
             ("run.json", file(manifest, Vec::new())),
             ("sumo/", file("SUMO's log, and the outputs that its configuration names", Vec::new())),
         ];
-        let quality = quality.then(|| ("quality.csv", FileSchema::of_table(&QUALITY.shape)));
-        let trace = trace.map(|name| (name, FileSchema::of_table(&TRACE.shape)));
+        let unless = "unless `output.quality = false`";
+        let quality = quality.then(|| ("quality.csv", FileSchema::of_table(&QUALITY.shape).when(unless)));
+        let trace = trace.map(|name| (name, FileSchema::of_table(&TRACE.shape).when("with `--trace`")));
         Self::new(files.into_iter().chain(quality).chain(trace))
+    }
+
+    /// Name, meaning and condition of every file, by name.
+    pub fn files(&self) -> impl Iterator<Item = [&str; 3]> {
+        self.files.iter().map(|(name, file)| [name.as_str(), file.meaning, file.when])
     }
 }

@@ -107,15 +107,26 @@ impl Tables {
         let (cases, comparison) = (case_layout(&plan.keys), comparison_layout(&plan.keys));
         write_table(&plan.dir.join("cases.csv"), &cases, &self.cases)?;
         write_table(&plan.dir.join("comparison.csv"), &comparison, &self.comparison)?;
-        let study = "The plan: settings, cases with what makes each of them, versions, hashes of all inputs";
-        let schema = Schema::new([
-            ("cases.csv", FileSchema::of_table(&cases.shape)),
-            ("comparison.csv", FileSchema::of_table(&comparison.shape)),
-            (JOINED, FileSchema::of_table(&joined_layout(&plan.keys).shape)),
-            ("study.json", FileSchema::of_file(study, Vec::new())),
-            ("cases/", FileSchema::of_file("The result folder of every case", Vec::new())),
-        ]);
+        let schema = study_schema(&plan.keys, |folder| plan.dir.join(folder).is_dir());
         write_json(&plan.dir.join("schema.json"), &schema)?;
         Ok(())
     }
+}
+
+/// The schema of a study that varies these keys; `has` says which of the folders are there that not every study has.
+pub fn study_schema(keys: &[String], has: impl Fn(&str) -> bool) -> Schema {
+    let file = |meaning| FileSchema::of_file(meaning, Vec::new());
+    let table = |shape| FileSchema::of_table(shape);
+    let files = [
+        ("cases.csv", table(&case_layout(keys).shape)),
+        ("comparison.csv", table(&comparison_layout(keys).shape)),
+        (JOINED, table(&joined_layout(keys).shape)),
+        ("study.json", file("The plan: settings, cases with what makes each of them, versions, hashes of all inputs")),
+        ("cases/", file("The result folder of every case")),
+    ];
+    let some = [
+        ("warm_up/", file("The states of SUMO that the cases load").when("with a warm-up")),
+        ("slurm/", file("What was submitted to a cluster, and the logs of its tasks").when("with `--executor slurm`")),
+    ];
+    Schema::new(files.into_iter().chain(some.into_iter().filter(|(name, _)| has(name))))
 }

@@ -2,6 +2,8 @@
 //! keys; and the pages that are followed word for word, on real SUMO.
 
 mod code;
+mod command_line;
+mod files;
 mod follow;
 mod keys;
 mod links;
