@@ -1,6 +1,7 @@
 //! The network, its roads coloured by what happened on them.
 
 use super::data::RunData;
+use super::number::counted;
 use super::table::Table;
 use crate::figure::{Event, Figure, Ramp, Road, Roads};
 use crate::page::FigureView;
@@ -12,7 +13,7 @@ const COLUMNS: [(&str, &str); 3] =
     [("speed_gap_rms", "RMS speed gap"), ("error_rms", "RMS tracking error"), ("speed_mean", "mean speed")];
 /// Roads up to which those within junctions are drawn, too.
 const SMALL: usize = 4000;
-/// Incidents, and conflicts, that are drawn; more would hide the roads.
+/// Conflicts that are drawn; more would hide the roads.
 const DRAWN: usize = 500;
 /// A vehicle may stand beside the middle of its road by so much \[m\].
 const MARGIN_M: f64 = 50.0;
@@ -50,11 +51,15 @@ fn map(
         shape: road.shape.clone(),
         value: values.get(road.edge.as_str()).copied(),
     };
-    let incidents = incident_events(network, run.incidents.as_deref().unwrap_or_default());
+    let (happened, incidents) = incident_events(network, run.incidents.as_deref().unwrap_or_default());
     let conflicts = conflict_events(network, run.conflicts.as_deref().unwrap_or_default());
     let dots = match incidents.len() {
         0 => String::new(),
-        n => format!(" Dots: {n} safety events of SUMO's log, in the middle of their lanes' roads."),
+        n => format!(
+            " Dots: {} of SUMO's log on {}, in the middle of each.",
+            counted(happened, "safety event", "safety events"),
+            counted(n, "road", "roads")
+        ),
     };
     let rings = match (conflicts.len(), run.conflicts.as_ref().map_or(0, Vec::len)) {
         (0, 0) => String::new(),
@@ -77,14 +82,33 @@ fn map(
     Some(FigureView::new(&Figure::roads(&format!("map_{column}{file}"), &roads), caption).zoomed())
 }
 
-/// Incidents at the middle of their road: the log names the lane, not the place on it.
-fn incident_events(network: &[NetworkRoad], incidents: &[Incident]) -> Vec<Event> {
-    let shapes: BTreeMap<&str, &NetworkRoad> = network.iter().map(|road| (road.edge.as_str(), road)).collect();
-    let place = |incident: &Incident| {
+/// How many incidents are on roads of the network, and one event per such road, at its middle: the log names the lane, not
+/// the place on it. The most on top.
+fn incident_events(network: &[NetworkRoad], incidents: &[Incident]) -> (usize, Vec<Event>) {
+    let mut roads: BTreeMap<&str, Vec<&Incident>> = BTreeMap::new();
+    for incident in incidents {
         let edge = incident.lane.rsplit_once('_').map_or(incident.lane.as_str(), |(edge, _)| edge);
-        Some(Event { class: "event", place: middle(&shapes.get(edge)?.shape), text: incident.text.clone() })
-    };
-    incidents.iter().filter_map(place).take(DRAWN).collect()
+        roads.entry(edge).or_default().push(incident);
+    }
+    let shapes: BTreeMap<&str, &NetworkRoad> = network.iter().map(|road| (road.edge.as_str(), road)).collect();
+    let mut events: Vec<(usize, Event)> = Vec::new();
+    for (edge, incidents) in roads {
+        let Some(road) = shapes.get(edge) else { continue };
+        let text = match incidents.as_slice() {
+            [one] => one.text.clone(),
+            many => format!("{edge}: {}", kinds(many)),
+        };
+        events.push((incidents.len(), Event { class: "event", place: middle(&road.shape), text }));
+    }
+    events.sort_by_key(|(count, _)| *count);
+    (events.iter().map(|(count, _)| count).sum(), events.into_iter().map(|(_, event)| event).collect())
+}
+
+/// "2 x collision, 30 x emergency braking"
+fn kinds(incidents: &[&Incident]) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    incidents.iter().for_each(|incident| *counts.entry(incident.kind).or_default() += 1);
+    counts.iter().map(|(kind, count)| format!("{count} x {kind}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Conflicts at their places, the severest on top; those that are not on the map (`device.ssm.geo`) are left out.

@@ -71,7 +71,7 @@ pub fn intervals(study: &StudyData, metric: &MetricRows) -> Option<FigureView> {
         let Some(at) = row.number(middle) else { continue };
         let width = row.number(half).unwrap_or(0.0);
         let sure = paired && row.number("p_holm").is_some_and(|p| p < 0.05);
-        let label = row.values(&study.plan.keys).join(", ");
+        let label = setting(&study.plan.keys, &row.values(&study.plan.keys), &[]);
         spans.push(Span {
             label: if sure { format!("{label} *") } else { label },
             style: hue("", usize::from(sure)),
@@ -130,8 +130,7 @@ pub fn curves(study: &StudyData, metric: &MetricRows, key: usize) -> Option<Figu
     for row in &metric.rows {
         let Some(mean) = row.number("mean") else { continue };
         let of_row = row.values(keys);
-        let others = of_row.iter().enumerate().filter(|(index, _)| *index != key).map(|(_, value)| value.as_str());
-        let name = others.collect::<Vec<_>>().join(", ");
+        let name = setting(keys, &of_row, &[key]);
         let name = if name.is_empty() { "mean".to_owned() } else { name };
         let point = (numeric(&of_row[key])?, mean, row.number("ci95").unwrap_or(0.0));
         match lines.iter_mut().find(|(known, _)| *known == name) {
@@ -167,9 +166,7 @@ pub fn matrices(study: &StudyData, metric: &MetricRows, pair: [usize; 2]) -> Vec
     let mut tables: Vec<NamedTable> = Vec::new();
     for row in &metric.rows {
         let of_row = row.values(keys);
-        let others =
-            of_row.iter().enumerate().filter(|(index, _)| !pair.contains(index)).map(|(_, value)| value.as_str());
-        let name = others.collect::<Vec<_>>().join(", ");
+        let name = setting(keys, &of_row, &pair);
         if !tables.iter().any(|(known, _)| *known == name) {
             tables.push((name.clone(), vec![vec![None; columns.len()]; rows.len()]));
         }
@@ -198,6 +195,16 @@ pub fn matrices(study: &StudyData, metric: &MetricRows, pair: [usize; 2]) -> Vec
         FigureView::new(&Figure::matrix(&stem, &matrix), caption)
     };
     tables.into_iter().enumerate().map(figure).collect()
+}
+
+/// A setting in words, without some of its keys. A word stands for itself, `pid`; a number needs its key, `delay_s=0.2`.
+fn setting(keys: &[String], values: &[String], without: &[usize]) -> String {
+    let others = keys.iter().zip(values).enumerate().filter(|(index, _)| !without.contains(index));
+    let words = others.map(|(_, (key, value))| match value.parse::<f64>() {
+        Ok(_) => format!("{}={value}", key.rsplit('.').next().unwrap_or(key)),
+        Err(_) => value.clone(),
+    });
+    words.collect::<Vec<_>>().join(", ")
 }
 
 /// A key as a part of a file's name.

@@ -128,6 +128,28 @@ fn conflicts_stand_on_the_map_once_at_their_places() {
 }
 
 #[test]
+fn warnings_of_sumo_stand_on_the_map_one_dot_a_road() {
+    let dir = copied(city());
+    let edges = table(&dir.path().join("edges.csv"));
+    let lanes = [0, 1].map(|k| format!("{}_0", edges[k]["edge"]));
+    let log = format!(
+        "Warning: Vehicle 'a'; collision with vehicle 'b', lane='{0}', gap=-0.50, time=35.00, stage=move.\n\
+         Warning: Vehicle 'c' performs emergency braking on lane '{0}' with decel=9.00, wished=4.50, severity=1.00, time=36.00.\n\
+         Warning: Vehicle 'd'; collision with vehicle 'e', lane='{1}', gap=-0.10, time=37.00, stage=move.\n\
+         Warning: Vehicle 'f'; collision with vehicle 'g', lane='nowhere_0', gap=-0.10, time=38.00, stage=move.\n",
+        lanes[0], lanes[1]
+    );
+    fs::write(dir.path().join("sumo/sumo.log"), log).unwrap();
+    report(&[dir.path()], &[]);
+    let map = fs::read_to_string(dir.path().join("report/map_error_rms.svg")).unwrap();
+    assert_eq!(map.matches("class=\"event\"").count(), 2);
+    assert!(map.contains(&format!("<title>{}: 1 x collision, 1 x emergency braking</title>", edges[0]["edge"])));
+    assert!(map.contains("<title>Vehicle &#39;d&#39;; collision") || map.contains("<title>Vehicle 'd'; collision"));
+    let page = plain(&fs::read_to_string(dir.path().join("report.html")).unwrap());
+    assert!(page.contains("Dots: 3 safety events of SUMO's log on 2 roads, in the middle of each."));
+}
+
+#[test]
 fn hostile_ids_are_text() {
     let dir = copied(city());
     with_vehicles(dir.path(), |rows| {
