@@ -1,10 +1,11 @@
 # make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo dist test bytes matrix fuzz bench book setup setup-test clean
+.PHONY: help demo dist test bytes matrix tuning fuzz bench book setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
+gains ?= 2
 fuzz_s ?= 60
 
 help: ## Show this list
@@ -26,6 +27,22 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 
 matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour)
 	cargo test --release --locked --test matrix -- --ignored --nocapture
+
+tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in eleven conditions (half an hour)
+	cargo build --release --locked
+	target/release/sumo-mfc tune scenarios/tuning.toml -o out/tuning --gains $(gains) \
+	  --train scenarios/paper/data/udds.csv --test scenarios/paper/data/hwfet.csv scenarios/paper/data/racing_lap.csv \
+	  --condition "as it is:" \
+	  --condition "noise of -6 dB: noise.power_db=-6" \
+	  --condition "noise of 0 dB: noise.power_db=0" \
+	  --condition "lag 0.3 s: actuator.lag_s=0.3" \
+	  --condition "dead time 0.1 s: actuator.delay_s=0.1" \
+	  --condition "dead time 0.25 s: actuator.delay_s=0.25" \
+	  --condition "dead time 0.5 s: actuator.delay_s=0.5" \
+	  --condition "half the mass: vehicle.mass_factor=0.5" \
+	  --condition "twice the mass: vehicle.mass_factor=2" \
+	  --condition "half the friction: vehicle.friction_factor=0.5" \
+	  --condition "twice the mass, dead time 0.25 s: vehicle.mass_factor=2 actuator.delay_s=0.25"
 
 fuzz: ## Feed SUMO's recorded answers, changed at random, to the decoder for fuzz_s=60 seconds (nightly Rust)
 	@cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "make fuzz needs: rustup toolchain install nightly && cargo install cargo-fuzz --locked" >&2; exit 1; }

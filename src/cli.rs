@@ -23,15 +23,18 @@ use std::{
     process::ExitCode,
 };
 
-use arguments::{CheckArgs, Cli, Command, ListArgs, ManArgs, PaperArgs, ReportArgs, RunArgs};
+use arguments::{CheckArgs, Cli, Command, ListArgs, ManArgs, PaperArgs, ReportArgs, RunArgs, TuneArgs};
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use tracing::level_filters::LevelFilter;
 
 use crate::{
-    doctor, map, paper, report,
+    doctor, map,
+    output::{FORMS, write_table},
+    paper, report,
     run::{self, RunError, RunOptions, RunResult, SessionOptions, terminal_text},
     scenario::{Catalog, Scenario, schema, template},
+    tune,
 };
 
 /// Does what the arguments of the program ask for, with what `catalog` offers. Returns the exit code.
@@ -54,6 +57,7 @@ pub fn main(catalog: &Catalog) -> ExitCode {
         Command::Recover(args) => recover(&args.dirs),
         Command::Check(args) => check(&args, catalog),
         Command::Paper(args) => paper_tests(args),
+        Command::Tune(args) => tuned(&args, catalog),
         Command::List(args) => list(&args, catalog),
         Command::Doctor => doctor(),
         Command::Completions(args) => print(&pages::completions(args.shell)),
@@ -197,6 +201,18 @@ fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
         Some(form) => print(&tables::reproduced(&results, form)),
         None if quiet => Ok(ExitCode::SUCCESS),
         None => print(&format!("{}{}\n", results.table(), page.display())),
+    }
+}
+
+fn tuned(args: &TuneArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+    let rows = tune::tune(&args.request(!args.quiet && std::io::stderr().is_terminal()), catalog)?;
+    let layout = tune::layout();
+    let path = write_table(&args.out.join("tune.csv"), &layout, &rows).into_diagnostic()?;
+    match args.export.export {
+        Some(form) if !form.for_people => print(&form.text(&layout, &rows)),
+        Some(form) => print(&tables::tuned(&rows, form)),
+        None if args.quiet => Ok(ExitCode::SUCCESS),
+        None => print(&format!("{}written        {}\n", tables::tuned(&rows, FORMS[0].build), path.display())),
     }
 }
 

@@ -83,6 +83,15 @@ Examples:
   sumo-mfc paper driver --driver lap.csv --set controller.k_p=1.2 -o out/lap
   sumo-mfc paper map --coarse                  Where adaptation helps, on a coarse grid";
 
+/// Examples of `tune`.
+pub const TUNE: &str = "\
+Examples:
+  sumo-mfc tune --train scenarios/paper/data/udds.csv --test scenarios/paper/data/hwfet.csv
+  sumo-mfc tune scenarios/demo.toml --gains 1 --train udds.csv --test hwfet.csv --export md
+  sumo-mfc tune --train a.csv --test b.csv --condition ok: --condition late:actuator.delay_s=0.25
+
+Every law has as many free gains, the same recordings and the same number of trials.";
+
 /// Examples of `list`.
 pub const LIST: &str = "\
 Examples:

@@ -7,6 +7,7 @@ use crate::{
     scenario::Catalog,
     study::key_columns,
     table::{Column, Field, Kind, Layout, record},
+    tune::TunedRow,
 };
 
 record! {
@@ -128,4 +129,39 @@ pub fn standings(keys: &[String], cases: &[Standing], form: Form) -> String {
     let mut columns = key_columns(keys, |case: &Standing| &case.values);
     columns.extend(CaseLine::columns(Column::new("", Kind::Number, None, ""), |case: &Standing| &case.line));
     form.text(&Layout::new(["cases", "case"], "One row per case, after a column per varied key", columns), cases)
+}
+
+record! {
+    /// A law in a condition, for people.
+    pub struct TunedLine {
+        condition: String = "The condition";
+        law: String = "The law";
+        test_rms as "test RMS [m/s]": String = "On other recordings than those of the tuning, with its interval";
+        ratio as "/ first law": String = "Over the first law, each with the gains of this condition";
+        once as "/ first law, tuned once": String = "Over the first law, each with the gains of the first condition";
+        gains: String = "What was found";
+    }
+}
+
+/// What `tune` found, for people.
+pub fn tuned(rows: &[TunedRow], form: Form) -> String {
+    let number = |mean: Option<f64>, half: Option<f64>, decimals: usize| match (mean, half) {
+        (Some(mean), Some(half)) => format!("{mean:.decimals$} ± {half:.decimals$}"),
+        (Some(mean), None) => format!("{mean:.decimals$}"),
+        _ => "-".to_owned(),
+    };
+    let line = |row: &TunedRow| {
+        let unfinished = if row.unfinished > 0 { format!(" ({} unfinished)", row.unfinished) } else { String::new() };
+        let edge = if row.at_edge { " (at the edge of the range)" } else { "" };
+        TunedLine {
+            condition: row.condition.clone(),
+            law: row.controller.clone(),
+            test_rms: number(row.test_rms, row.test_ci95, 3) + &unfinished,
+            ratio: number(row.test_ratio, row.test_ratio_ci95, 2),
+            once: number(row.once_ratio, row.once_ratio_ci95, 2),
+            gains: row.gains.replace("controller.", "") + edge,
+        }
+    };
+    let lines: Vec<TunedLine> = rows.iter().map(line).collect();
+    form.text(&Layout::of_record(["tuning", "law"], "One row per condition and law"), &lines)
 }

@@ -32,6 +32,7 @@ const LAYERS: &[(&str, u8)] = &[
     ("paper", 5),
     ("report", 5),
     ("map", 6),
+    ("tune", 6),
     ("cli", 7),
     ("main", 8),
 ];
