@@ -1,9 +1,10 @@
 //! Where does adaptation help? The classic, the adaptive, the calibrating and the PID law over torque scale, gains, control period,
 //! torque limit and delay, on a noisy recording (RMS error) and the first step (overshoot).
 //!
-//! **Equal tuning.** Each law has two values to choose: K_P and the torque scale b for the paper's laws, K_P and T for the one that finds
-//! its scale itself, k_p and k_i for the PID. For all the optimiser is the same exhaustive search over a logarithmic grid of 9 × 9, and the cost is the same RMS error. What the
-//! best choice is worth when the torque scale is wrong by a factor is then read from the same table.
+//! **Equal tuning.** Each law has two gains to choose: K_P and T for the model-free laws, k_p and k_i for the PID. For all the
+//! optimiser is the same exhaustive search over a logarithmic grid of 9 × 9 with the right torque scale, and the cost is the
+//! same RMS error. What the best choice is worth when the torque scale is wrong by a factor is then read from the same table.
+//! `tune` does the like with a search, and judges on other recordings.
 //!
 //! A torque scale that is wrong by a factor is a vehicle whose nominal N·m per m/s² is, so that one block carries sixteen cases
 //! and a job is one controller with one choice of gains. Finished jobs are appended to `map.csv.part`; a second call goes on there.

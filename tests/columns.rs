@@ -5,11 +5,11 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use sumo_mfc::run::Schema;
+use sumo_mfc::run::{FileSchema, Schema};
 use sumo_mfc::study::study_schema;
 
 /// The tables in the order of the page.
-const FILES: [&str; 9] = [
+const FILES: [&str; 10] = [
     "vehicles.csv",
     "quality.csv",
     "trace.csv",
@@ -19,12 +19,15 @@ const FILES: [&str; 9] = [
     "cases.csv",
     "comparison.csv",
     "vehicles.parquet",
+    "tune.csv",
 ];
 
 fn page() -> String {
     let run = serde_json::to_value(Schema::of_run("vehicles.csv", true, Some("trace.csv"))).unwrap();
     let study = study_schema(&[], |_| true);
     let study = serde_json::to_value(study).unwrap();
+    let tune = Schema::new([("tune.csv", FileSchema::of_table(&sumo_mfc::tune::layout().shape))]);
+    let tune = serde_json::to_value(tune).unwrap();
     let mut page = String::from(
         "# Columns of the result files\n\n\
          `schema.json` in every result folder says the same about the files beside it. An empty field (in JSON `null`) is no\n\
@@ -32,7 +35,7 @@ fn page() -> String {
          This page is made by `UPDATE=1 cargo test --test columns`.\n",
     );
     for name in FILES {
-        let file = [&run, &study].into_iter().find_map(|schema| schema["files"].get(name));
+        let file = [&run, &study, &tune].into_iter().find_map(|schema| schema["files"].get(name));
         let file = file.unwrap_or_else(|| panic!("no {name} in the schemas"));
         let (heading, columns) = if let Value::Array(columns) = &file["columns"] {
             ("column", columns)

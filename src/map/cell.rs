@@ -9,7 +9,7 @@ pub struct Job {
     pub controller: &'static str,
     pub period_s: f64,
     pub gain_1: f64,
-    /// The value of [`second_key`], 0 where it is the scale.
+    /// The second gain, T or k_i.
     pub gain_2: f64,
 }
 
@@ -22,9 +22,9 @@ pub struct Cell {
     pub period_s: f64,
     /// K_P or k_p.
     pub gain_1: f64,
-    /// The value of [`second_key`], 0 where it is the scale.
+    /// The second gain, T or k_i.
     pub gain_2: f64,
-    /// b of the paper's laws, the factor of the others.
+    /// b, which is also the factor by which the torque scale is wrong.
     pub scale: f64,
     /// Torque limit [m/s²].
     pub limit_mps2: f64,

@@ -15,7 +15,7 @@ const STEP_S: f64 = 60.0;
 /// All cases of this controller, side by side.
 pub fn carry_out(job: &Job, lab: &Lab, preset: &Preset, grid: &Grid) -> Result<Vec<Cell>, PaperError> {
     let mut cells = Vec::new();
-    for &scale in grid.scales_of(job.controller) {
+    for scale in grid.scales_of(job.controller, job.gain_2) {
         for &limit_mps2 in &grid.limits_mps2 {
             for &delay_s in &grid.delays_s {
                 let Job { controller, period_s, gain_1, gain_2 } = *job;
@@ -46,10 +46,10 @@ fn settings(job: &Job, cells: &[Cell]) -> Vec<Override> {
         number("coupling.control_period_s", job.period_s),
         number("actuator.delay_s", longest_s),
         number("controller.k_p", job.gain_1),
+        number(&format!("controller.{}", second_key(job.controller)), job.gain_2),
     ];
-    if let Some(key) = second_key(job.controller) {
-        settings.push(number(&format!("controller.{key}"), job.gain_2));
-    } else {
+    if job.controller != "pid" {
+        // The cases have their scales in what the vehicle is taken for.
         settings.push(number("controller.accel_per_unit_mps2", 1.0));
     }
     settings

@@ -1,7 +1,7 @@
 //! What the map says: heat maps of ratios, the best gains of each law, and what they are worth with a wrong torque scale.
 
 use super::cell::Cell;
-use super::grid::second_key;
+use super::grid::SHOWN_OVER_SCALE;
 use super::heat::{Heat, Panel, heat_map};
 use super::summary::Summary;
 use super::tuned::{Map, Tuned};
@@ -57,11 +57,7 @@ pub fn finding(map: &Map, preset: &str, mark: [f64; 3]) -> Finding {
             let rows = Rows { test: &test, preset, controller: law.law };
             let values = [
                 ("gain_1", "1/s", Some(law.best.gain_1)),
-                (
-                    "gain_2_or_scale",
-                    "1",
-                    Some(if second_key(law.law).is_some() { law.best.gain_2 } else { law.best.scale }),
-                ),
+                ("gain_2", "1", Some(law.best.gain_2)),
                 ("error_rms", "m/s", law.best.error_rms),
             ];
             finding.rows.extend(values.map(|(quantity, unit, value)| noisy(&rows, quantity, unit, value)));
@@ -70,14 +66,14 @@ pub fn finding(map: &Map, preset: &str, mark: [f64; 3]) -> Finding {
     finding
 }
 
-/// Adaptive over classic with the same K_P and b, one panel per control period.
+/// Adaptive over classic with the same K_P, b and T, one panel per control period.
 fn plane(map: &Map, title: &str, of: fn(&Cell) -> Option<f64>, condition: (f64, f64), mark: [f64; 3]) -> Heat<'static> {
     let (delay_s, limit_mps2) = condition;
     let grid = &map.grid;
     let names = |axis: &[f64]| axis.iter().map(|x| format!("{x}")).collect::<Vec<_>>();
     let panels = grid.periods_s.iter().map(|&period_s| {
         let ratio = |gain: f64, scale: f64| {
-            let place = [period_s, gain, 0.0, scale, limit_mps2, delay_s];
+            let place = [period_s, gain, SHOWN_OVER_SCALE.1, scale, limit_mps2, delay_s];
             Some(of(map.at("adaptive", place)?)? / of(map.at("classic", place)?)?)
         };
         let here = delay_s == 0.0 && period_s == mark[0];

@@ -3,15 +3,13 @@
 /// The laws on the map.
 pub const LAWS: [&str; 4] = ["classic", "adaptive", "calibrating", "pid"];
 
-/// The key of a law's second value; none where it is the torque scale itself. The torque scale of a law with two keys is
-/// right, but for the factors.
-pub fn second_key(law: &str) -> Option<&'static str> {
-    match law {
-        "pid" => Some("k_i"),
-        "calibrating" => Some("window_s"),
-        _ => None,
-    }
+/// The key of a law's second gain; the first is `k_p`.
+pub fn second_key(law: &str) -> &'static str {
+    if law == "pid" { "k_i" } else { "window_s" }
 }
+
+/// The laws of the paper, which are also shown over the torque scale that they believe in, with this window \[s\].
+pub const SHOWN_OVER_SCALE: ([&str; 2], f64) = (["classic", "adaptive"], 0.2);
 
 /// The axes.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,11 +20,11 @@ pub struct Grid {
     pub gains: Vec<f64>,
     /// k_i of the PID [1/s²].
     pub integral_gains: Vec<f64>,
-    /// T of the calibrating law \[s\].
+    /// T of the model-free laws \[s\].
     pub windows_s: Vec<f64>,
-    /// Torque scales b of the paper's laws [m/s² per u].
+    /// Torque scales b over which the paper's laws are shown [m/s² per u].
     pub scales: Vec<f64>,
-    /// Factors by which the torque scale of the others is wrong.
+    /// Factors by which the torque scale is wrong where laws are compared at their best gains.
     pub factors: Vec<f64>,
     /// Torque limits as accelerations [m/s²].
     pub limits_mps2: Vec<f64>,
@@ -35,7 +33,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// A minute or two on two cores.
+    /// Minutes on two cores.
     pub fn whole() -> Self {
         Self {
             periods_s: vec![0.001, 0.002, 0.005, 0.01, 0.02],
@@ -63,18 +61,20 @@ impl Grid {
         }
     }
 
-    /// The second values of a law.
+    /// The second gains of a law.
     pub fn second_gains(&self, law: &str) -> &[f64] {
-        match second_key(law) {
-            Some("k_i") => &self.integral_gains,
-            Some(_) => &self.windows_s,
-            None => &[0.0],
-        }
+        if second_key(law) == "k_i" { &self.integral_gains } else { &self.windows_s }
     }
 
     /// The torque scales that one job of a law tries.
-    pub fn scales_of(&self, law: &str) -> &[f64] {
-        if second_key(law).is_some() { &self.factors } else { &self.scales }
+    pub fn scales_of(&self, law: &str, gain_2: f64) -> Vec<f64> {
+        let (laws, window_s) = SHOWN_OVER_SCALE;
+        let mut scales = self.factors.clone();
+        if laws.contains(&law) && gain_2 == window_s {
+            scales.extend(self.scales.iter().filter(|scale| !self.factors.contains(scale)));
+            scales.sort_by(f64::total_cmp);
+        }
+        scales
     }
 }
 

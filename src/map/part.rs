@@ -18,7 +18,8 @@ fn finished(text: &str, grid: &Grid) -> Vec<Cell> {
     for cell in &cells {
         *counts.entry(cell.job()).or_insert(0) += 1;
     }
-    let whole = |cell: &Cell| grid.scales_of(cell.controller).len() * grid.limits_mps2.len() * grid.delays_s.len();
+    let whole =
+        |cell: &Cell| grid.scales_of(cell.controller, cell.gain_2).len() * grid.limits_mps2.len() * grid.delays_s.len();
     cells.retain(|cell| counts[&cell.job()] == whole(cell));
     cells
 }

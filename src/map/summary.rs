@@ -174,7 +174,7 @@ impl Summary {
             id: "map-laws".into(),
             caption: "Each law against each other one, at equal tuning: RMS error over that of the law in the column's head, each with the gains \
                       of its least error at the right torque scale: median (least … largest), number of conditions. A condition is a \
-                      control period, a torque limit and a delay; it counts where the grid has both laws' scales and both came to the end."
+                      control period, a torque limit and a delay; it counts where both came to the end."
                 .into(),
             head: heads.into_iter().chain(over).collect(),
             rows: self.lines().into_iter().map(row).collect(),

@@ -1,7 +1,7 @@
 //! The finished map, and the best gains of each law on it.
 
 use super::cell::Cell;
-use super::grid::{Grid, LAWS, second_key};
+use super::grid::{Grid, LAWS};
 
 /// The finished map.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,14 +12,14 @@ pub struct Map {
     pub cells: Vec<Cell>,
 }
 
-/// The best choice of a law's two values under one condition, and what it is worth when the torque scale is wrong.
+/// The best choice of a law's two gains under one condition, with the right torque scale, and what it is worth when the torque scale is wrong.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tuned {
     /// The law.
     pub law: &'static str,
     /// The case with the least error.
     pub best: Cell,
-    /// The same gains by factor; none where the table ends.
+    /// The same gains by factor.
     pub wrong: Vec<Option<Cell>>,
 }
 
@@ -48,14 +48,12 @@ impl Map {
 
     fn tune(&self, law: &'static str, period_s: f64, limit_mps2: f64, delay_s: f64) -> Option<Tuned> {
         let here = |c: &&Cell| {
-            (c.controller, c.period_s, c.limit_mps2, c.delay_s) == (law, period_s, limit_mps2, delay_s)
-                && (second_key(law).is_none() || c.scale == 1.0)
+            (c.controller, c.period_s, c.limit_mps2, c.delay_s, c.scale) == (law, period_s, limit_mps2, delay_s, 1.0)
         };
         let finished = self.cells.iter().filter(here).filter(|c| c.error_rms.is_some());
         let best = *finished.min_by(|a, b| a.error_rms.partial_cmp(&b.error_rms).expect("errors are numbers"))?;
-        let wrong = |factor: &f64| {
-            self.at(law, [period_s, best.gain_1, best.gain_2, best.scale * factor, limit_mps2, delay_s]).copied()
-        };
+        let wrong =
+            |factor: &f64| self.at(law, [period_s, best.gain_1, best.gain_2, *factor, limit_mps2, delay_s]).copied();
         Some(Tuned { law, best, wrong: self.grid.factors.iter().map(wrong).collect() })
     }
 }

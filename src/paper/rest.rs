@@ -28,8 +28,8 @@ const BEYOND: [(&str, &str, &str); 2] = [
         "Where adaptation helps",
         "Not in the paper: nobody has published where in the space of its open values the adaptive law is better. RMS error on the noisy lap and \
          overshoot of the first step over torque scale, K_P, control period, torque limit and delay. Blue: the first law is better. The ring is the \
-         preset default. The table and the lower maps compare the laws with equal tuning: for all four the same exhaustive search over 9 × 9 values (K_P and b, \
-         K_P and T, or k_p and k_i) for the least RMS error, then the torque scale is wrong by a factor that no controller knows.",
+         preset default. The table and the lower maps compare the laws with equal tuning: for all four the same exhaustive search over 9 × 9 values (K_P and T of the \
+         model-free laws, k_p and k_i of the PID) for the least RMS error, then the torque scale is wrong by a factor that no controller knows.",
     ),
     (
         "law",
