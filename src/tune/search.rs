@@ -24,6 +24,9 @@ pub struct Found {
     pub trials: usize,
 }
 
+/// What stands for the cost of gains that are not tried any more [m/s].
+const NO_TRIAL: f64 = 1e9;
+
 /// Counts the trials, and remembers the best.
 struct Counted<'a, C> {
     gains: &'a [Gain],
@@ -42,7 +45,8 @@ impl<C: Fn(&[f64]) -> Result<f64, TuneError>> CostFunction for Problem<'_, '_, C
 
     fn cost(&self, place: &Vec<f64>) -> Result<f64, Error> {
         let mut counted = self.0.borrow_mut();
-        let Some(left) = counted.left.checked_sub(1) else { return Err(Error::msg("no trial is left")) };
+        // The solver takes no error while its simplex shrinks: where nothing more is to be tried, nothing is better.
+        let Some(left) = counted.left.checked_sub(1).filter(|_| counted.failed.is_none()) else { return Ok(NO_TRIAL) };
         counted.left = left;
         let values: Vec<f64> = counted.gains.iter().zip(place).map(|(gain, place)| gain.at(*place)).collect();
         match (counted.cost)(&values) {
@@ -54,7 +58,7 @@ impl<C: Fn(&[f64]) -> Result<f64, TuneError>> CostFunction for Problem<'_, '_, C
             }
             Err(error) => {
                 counted.failed = Some(error);
-                Err(Error::msg("a trial failed"))
+                Ok(NO_TRIAL)
             }
         }
     }
@@ -79,8 +83,8 @@ pub fn search(
         let begin: Vec<f64> = gains.iter().map(|gain| if place == 0 { 0.0 } else { drawn(gain, &mut draws) }).collect();
         let solver = NelderMead::new(simplex(gains, begin)).with_sd_tolerance(DONE_MPS);
         let solver = solver.map_err(|error| TuneError::Search(error.to_string()))?;
-        // It ends when no trial is left, which is no failure: the best is known.
-        let _ = Executor::new(Problem(&counted), solver).configure(|state| state.max_iters(trials as u64)).run();
+        let run = Executor::new(Problem(&counted), solver).configure(|state| state.max_iters(trials as u64)).run();
+        run.map_err(|error| TuneError::Search(error.to_string()))?;
         let mut counted = counted.borrow_mut();
         if let Some(error) = counted.failed.take() {
             return Err(error);
