@@ -1,8 +1,8 @@
 //! What goes wrong around a run: the message says what, nothing that was computed is lost, no SUMO stays behind.
 
 use crate::support::{
-    CAR, NEW, OLD, Running, TOO_OLD, children, configuration, json, number, own, program, refusal, repository, run,
-    run_command, stays, straight_road, table,
+    CAR, NEW, OLD, Running, SmallDisk, TOO_OLD, children, configuration, json, naming, number, own, program, refusal,
+    repository, run, run_command, stays, straight_road, table,
 };
 use std::fs;
 use std::net::TcpListener;
@@ -348,25 +348,6 @@ fn a_folder_that_is_deleted_meanwhile_costs_no_row() {
     assert!(ended.stderr.contains("time losses are missing"), "{}", ended.stderr);
 }
 
-/// A small file system of its own, as root; it goes with this value.
-struct SmallDisk(tempfile::TempDir);
-
-impl SmallDisk {
-    fn new(kilobytes: u32) -> Option<Self> {
-        let folder = tempfile::tempdir().unwrap();
-        let size = format!("size={kilobytes}k");
-        let mut mount = Command::new("mount");
-        mount.args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(folder.path());
-        mount.status().is_ok_and(|status| status.success()).then_some(Self(folder))
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        let _ = Command::new("umount").arg("-l").arg(self.0.path()).status();
-    }
-}
-
 /// Wherever the disk is full first: rows of vehicles that had left are there, in the table or in its `.part`.
 #[test]
 fn a_full_disk_costs_no_row_that_was_known() {
@@ -375,7 +356,7 @@ fn a_full_disk_costs_no_row_that_was_known() {
             eprintln!("skipped: only root can make a small disk");
             return;
         };
-        let dir = disk.0.path().join("result");
+        let dir = disk.folder().join("result");
         let ended = Running::start(run_command(NEW, &own("city"), &dir, &["--quiet"])).wait();
         assert_eq!(ended.code, Some(1), "{kilobytes} kB: {}", ended.stderr);
         assert!(ended.stderr.contains("No space left"), "{kilobytes} kB: {}", ended.stderr);
@@ -385,17 +366,6 @@ fn a_full_disk_costs_no_row_that_was_known() {
         let said = ended.stderr.contains("vehicles.csv.part");
         assert_eq!(said, !whole.is_file(), "{kilobytes} kB: {}", ended.stderr);
     }
-}
-
-/// Processes whose command line names a folder, as SUMO's does.
-fn naming(folder: &Path) -> Vec<u32> {
-    let wanted = folder.to_str().unwrap();
-    let pids = fs::read_dir("/proc").unwrap().flatten().filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-    let named = |pid: &u32| {
-        let line = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
-        String::from_utf8_lossy(&line).contains(wanted)
-    };
-    pids.filter(named).collect()
 }
 
 /// Nobody may end this program in order at SIGKILL: SUMO must notice by itself, whether it loads, waits or drives.

@@ -51,7 +51,7 @@ fn checks(version: &str, fault: Fault, change: fn(&mut WorldSetup)) -> Vec<Check
     let attempt = async || -> Result<Vec<Check>, CosimError> {
         let sumo = find_sumo(Some(&binary(version)))?;
         let process = SumoProcess::spawn(&sumo, &line, None, folder.path())?;
-        let address = format!("127.0.0.1:{}", proxy::start(process.port(), fault));
+        let address = format!("127.0.0.1:{}", proxy::start(process.port(), fault).port);
         let client = Client::connect(address, PATIENCE).await?;
         let mut setup = run::world(&scenario).unwrap();
         change(&mut setup);
