@@ -92,7 +92,8 @@ fn chaos(seed: u64, count: usize) {
     let (next, lines) = (AtomicUsize::new(0), Mutex::new(BTreeMap::<usize, Line>::new()));
     let note = |kind: Kind, number: usize, verdict: Option<Verdict>| {
         let Some(verdict) = verdict else { return };
-        verdict.said.iter().for_each(|said| println!("fault {number}, {}, {:?}: {said}", kind.name(), verdict.phase));
+        let said = verdict.said.iter().take(3).chain(verdict.said.iter().skip(3).last());
+        said.for_each(|said| println!("fault {number}, {}, {:?}: {said}", kind.name(), verdict.phase));
         lines.lock().unwrap().entry(kind.place()).or_default().add(&verdict);
     };
     std::thread::scope(|scope| {

@@ -121,6 +121,13 @@ impl Scene {
 }
 
 impl Undisturbed {
+    /// Vehicles that arrived before a time.
+    pub fn arrived_before(&self, time_s: f64) -> impl Iterator<Item = String> {
+        let arrived = self.rows.iter().filter(|(_, row)| row["reason"] == "arrived");
+        let before = arrived.filter(move |(_, row)| row["arrival"].parse().is_ok_and(|arrival_s: f64| arrival_s < time_s));
+        before.map(|(id, _)| id.clone())
+    }
+
     /// How long such a run is in a phase.
     pub fn length(&self, phase: Phase) -> Duration {
         self.lengths.get(&phase).copied().unwrap_or_default()

@@ -86,12 +86,7 @@ impl Studies {
 pub fn struck_slurm(cluster: &Cluster, studies: &Studies, draw: f64) -> Verdict {
     let dir = cluster.folder().join("study");
     let mut verdict = Verdict { phase: Phase::Stepping, ..Verdict::default() };
-    let study = || {
-        let mut command = program(NEW);
-        command.env("SLURM_CONF", cluster.folder().join("slurm/slurm.conf")).current_dir(repository(""));
-        command.args(STUDY).args(["--executor", "slurm", "-o"]).arg(&dir);
-        command
-    };
+    let study = || cluster.command(&dir, &["--wait"]);
     let run = Running::start(study());
     let parent = run.child.id();
     let deadline = Instant::now() + Duration::from_secs(60);

@@ -86,6 +86,15 @@ fn a_folder_that_cannot_be_made_is_named() {
     assert!(ended.stderr.contains("file"), "{}", ended.stderr);
 }
 
+#[test]
+fn a_folder_that_sumo_takes_for_an_address_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = Running::start(run_command(NEW, &own("light"), &folder.path().join("12:30/result"), &[])).wait();
+    assert_eq!(ended.code, Some(1));
+    let said = ended.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("12:30/result/sumo") && said.contains("for a network address"), "{said}");
+}
+
 fn send(signal: &str, pid: u32) {
     assert!(Command::new("kill").args([signal, &pid.to_string()]).status().unwrap().success());
 }
@@ -334,18 +343,25 @@ fn rows_of_vehicles_that_have_left_survive_a_kill() {
     }
 }
 
-/// Somebody cleans up too early.
+/// Somebody cleans up too early: all of it, or what SUMO writes.
 #[test]
-fn a_folder_that_is_deleted_meanwhile_costs_no_row() {
-    let folder = tempfile::tempdir().unwrap();
-    let dir = folder.path().join("result");
-    let mut run = Running::start(run_command(NEW, &own("city"), &dir, &["--end", "300"]));
-    until_rows(&mut run, &dir, 5);
-    fs::remove_dir_all(&dir).unwrap();
-    let ended = run.wait();
-    assert!(table(&dir.join("vehicles.csv")).len() > 50, "{}", ended.stderr);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stderr.contains("time losses are missing"), "{}", ended.stderr);
+fn a_folder_that_is_deleted_meanwhile_costs_no_row_and_is_told() {
+    for name in ["", "sumo"] {
+        let folder = tempfile::tempdir().unwrap();
+        let dir = folder.path().join("result");
+        let mut run = Running::start(run_command(NEW, &own("city"), &dir, &["--end", "300"]));
+        until_rows(&mut run, &dir, 5);
+        fs::remove_dir_all(dir.join(name)).unwrap();
+        let ended = run.wait();
+        assert!(table(&dir.join("vehicles.csv")).len() > 50, "{}", ended.stderr);
+        assert!(dir.join("schema.json").is_file());
+        assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+        let said = ended.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("was deleted while the run was under way: what SUMO wrote is lost"), "{said}");
+        let manifest = json(&dir.join("run.json"));
+        assert_eq!(manifest["status"], "incomplete");
+        assert!(manifest["reason"].as_str().unwrap().contains("was deleted"), "{manifest}");
+    }
 }
 
 /// Wherever the disk is full first: rows of vehicles that had left are there, in the table or in its `.part`.

@@ -1,6 +1,7 @@
 //! `sumo-mfc doctor` and its self-check of the coupling, on the oldest and the newest supported SUMO: it passes, and each
 //! way to get the coupling wrong makes it fail. A missing SUMO is a failure, not a skip.
 
+#[allow(dead_code, reason = "the faults at random use the rest")]
 mod proxy;
 mod step_reference;
 
