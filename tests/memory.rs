@@ -187,7 +187,7 @@ fn law_memory_does_not_grow_with_the_vehicles_that_have_left() {
     let options = SessionOptions { out_dir: folder.path().join("result"), sumo, ..SessionOptions::default() };
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
-    let drive = async {
+    let drive = async || {
         let mut session = Session::open(&scenario, &options).await.unwrap();
         // The sample of 200 vehicles is full by then, and all buffers have their size.
         while session.time_s() < 500.0 {
@@ -202,7 +202,7 @@ fn law_memory_does_not_grow_with_the_vehicles_that_have_left() {
         session.finish().await.unwrap();
         (left as i64, held)
     };
-    let (left, held) = pool.install(|| runtime.block_on(drive));
+    let (left, held) = pool.install(|| runtime.block_on(drive()));
     println!("bytes per vehicle that has left: {:.2}", held as f64 / left as f64);
     assert!(left > 1500, "{left} vehicles have left");
     assert!(held < 4 * left, "{held} bytes more after {left} vehicles");
@@ -273,9 +273,9 @@ fn law_a_day_leaves_clock_odometer_and_memory_as_they_were() {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let begun = Instant::now();
-    let mut seen = Vec::new();
-    let drive = async {
+    let drive = async || {
         let mut session = Session::open(&scenario, &options).await.unwrap();
+        let mut seen = Vec::new();
         let (mut steps, mut apart_s) = (0_u32, 0.0_f64);
         while !session.is_over() {
             session.step().await.unwrap();
@@ -291,9 +291,9 @@ fn law_a_day_leaves_clock_odometer_and_memory_as_they_were() {
         }
         println!("clock: {steps} steps, at most {apart_s:e} s apart from SUMO's time");
         assert_eq!(apart_s, 0.0);
-        session.finish().await.unwrap().summary
+        (session.finish().await.unwrap().summary, seen)
     };
-    let summary = pool.install(|| runtime.block_on(drive));
+    let (summary, seen) = pool.install(|| runtime.block_on(drive()));
     println!("largest memory, the end included: {} kB", status_kb(std::process::id(), "VmHWM"));
     let rows = support::table(&dir.join("vehicles.csv"));
     let arrived = rows.iter().filter(|row| row["reason"] == "arrived");
