@@ -92,7 +92,9 @@ impl<R> Journal<R> {
     pub fn texts(&self) -> impl Iterator<Item = Result<Vec<String>, OutputError>> {
         let section = Section { file: &self.file, range: self.rows.clone() };
         let reader = csv::ReaderBuilder::new().has_headers(false).flexible(false).from_reader(section);
-        reader.into_deserialize().map(|row| row.map_err(|error| file_error("read", &self.name)(io::Error::other(error))))
+        reader
+            .into_deserialize()
+            .map(|row| row.map_err(|error| file_error("read", &self.name)(io::Error::other(error))))
     }
 
     /// The texts of a row that is in no journal.
@@ -104,10 +106,7 @@ impl<R> Journal<R> {
     ///
     /// # Errors
     /// [`OutputError`]; the journal stays then.
-    pub fn finish(
-        &self,
-        rows: impl Iterator<Item = Result<Vec<String>, OutputError>>,
-    ) -> Result<PathBuf, OutputError> {
+    pub fn finish(&self, rows: impl Iterator<Item = Result<Vec<String>, OutputError>>) -> Result<PathBuf, OutputError> {
         write_over(&self.path, &Layout::of_texts(&self.layout.shape), rows)
     }
 }

@@ -66,9 +66,9 @@ impl Outcome {
             SumoStatistics::read(&own.statistics).map_err(|error| told(error, totals)).ok()
         });
         let trips = match own_sumo {
-            Some(own) => SortedTrips::read(&own.tripinfo, folder)?
-                .map_err(|error| told(error, "time losses are missing"))
-                .ok(),
+            Some(own) => {
+                SortedTrips::read(&own.tripinfo, folder)?.map_err(|error| told(error, "time losses are missing")).ok()
+            }
             None => None,
         };
         let cut = trips.as_ref().is_some_and(|trips| !trips.whole) && !broke_off;
@@ -132,10 +132,7 @@ fn no_egos(scenario: &Scenario, counters: &Counters) -> String {
     let others: u64 = counters.others.values().sum();
     format!(
         "{} vehicles departed; egos.select = \"{}\" and the groups leave {} of them to SUMO, {others} have no four wheels, {} cannot be egos",
-        counters.departed,
-        scenario.egos,
-        counters.unequipped,
-        counters.refused.count
+        counters.departed, scenario.egos, counters.unequipped, counters.refused.count
     )
 }
 

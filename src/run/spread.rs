@@ -29,10 +29,7 @@ impl Spread {
     }
 
     /// The same of `count` values of which the smallest comes first, wherever they come from.
-    pub(super) fn of_sorted(
-        count: usize,
-        sorted: impl Iterator<Item = io::Result<f64>>,
-    ) -> io::Result<Option<Self>> {
+    pub(super) fn of_sorted(count: usize, sorted: impl Iterator<Item = io::Result<f64>>) -> io::Result<Option<Self>> {
         if count == 0 {
             return Ok(None);
         }

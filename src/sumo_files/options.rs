@@ -122,7 +122,8 @@ pub(super) const A_FILE: &str = "a file name: to an address (HOST:PORT) SUMO wou
 /// is one, but for a drive letter (`FileHelpers::isSocket`); what has no port behind the colon becomes a file here.
 pub(super) fn is_socket(value: &str) -> bool {
     let has_port = |(host, port): (&str, &str)| host.len() > 1 && port.trim().parse::<u16>().is_ok();
-    value.split_once(':').is_some_and(has_port) || value.starts_with('[') && value.rsplit_once(':').is_some_and(has_port)
+    value.split_once(':').is_some_and(has_port)
+        || value.starts_with('[') && value.rsplit_once(':').is_some_and(has_port)
 }
 
 /// Standard streams and the void.

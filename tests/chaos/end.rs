@@ -9,13 +9,17 @@ use super::support::{children, naming, stays};
 
 /// Sends a signal; whoever it is meant for may have gone.
 pub fn send(signal: &str, pid: u32) {
-    let _ = Command::new("kill").args([&format!("-{signal}"), &pid.to_string()]).stderr(std::process::Stdio::null()).status();
+    let _ = Command::new("kill")
+        .args([&format!("-{signal}"), &pid.to_string()])
+        .stderr(std::process::Stdio::null())
+        .status();
 }
 
 /// Processes that stay for five seconds after a run into this folder has ended, and its port, if it still listens then.
 pub fn left(dir: &Path, port: Option<u16>) -> Vec<String> {
     let stay: Vec<u32> = naming(dir).into_iter().filter(|pid| stays(*pid)).collect();
-    let mut left: Vec<String> = stay.iter().map(|pid| format!("process {pid}: {}", command_line(*pid).join(" "))).collect();
+    let mut left: Vec<String> =
+        stay.iter().map(|pid| format!("process {pid}: {}", command_line(*pid).join(" "))).collect();
     left.extend(port.filter(|port| keeps_listening(*port)).map(|port| format!("port {port}")));
     stay.iter().for_each(|pid| send("KILL", *pid));
     left
@@ -45,7 +49,7 @@ fn keeps_listening(port: u16) -> bool {
 }
 
 /// Whether a socket of this machine is in the state LISTEN (0A) on a port.
-fn listens(port: u16) -> bool {
+pub fn listens(port: u16) -> bool {
     let tables = ["/proc/net/tcp", "/proc/net/tcp6"].map(|path| fs::read_to_string(path).unwrap_or_default());
     let ours = format!(":{port:04X}");
     tables.iter().flat_map(|text| text.lines()).any(|line| {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::plan::Phase;
 use super::scene::Undisturbed;
-use super::support::{Ended, NEW, Row, Running, number, program, table};
+use super::support::{Ended, NEW, Row, Running, number, program};
 
 /// Columns that come from SUMO's own files at the end of a run.
 const FROM_THE_END: [&str; 3] = ["arrival", "duration", "timeloss"];
@@ -68,17 +68,28 @@ impl Verdict {
             let mut command = program(NEW);
             command.arg("recover").arg(dir);
             let Ended { code, stderr, .. } = Running::start(command).wait();
-            if code != Some(0) && !stderr.contains("nothing to recover") {
+            // Where the disk is full the rows stay where they are.
+            if code != Some(0) && !stderr.contains("nothing to recover") && !stderr.contains("No space left") {
                 self.wrong(format!("recover ends with {code:?}: {stderr}"));
             }
         }
-        let path = dir.join("vehicles.csv");
-        let rows = if path.is_file() { table(&path) } else { Vec::new() };
-        let lost = lost(&rows, undisturbed, known);
+        let rows = rows(dir);
+        let mut lost = lost(&rows, undisturbed, known);
+        if dir.join("vehicles.csv").is_file() && !rows.is_sorted_by_key(|row| number(row, "depart")) {
+            lost.push("the rows are out of order".to_owned());
+        }
         self.rows_known = known.ids.len();
         self.rows_lost = lost.len();
         self.said.extend(lost);
     }
+}
+
+/// The rows of the table, or of its journal but for a line that is cut in two.
+fn rows(dir: &Path) -> Vec<Row> {
+    let read = |name: &str| fs::read_to_string(dir.join(name)).ok();
+    let text = read("vehicles.csv").or_else(|| read("vehicles.csv.part")).unwrap_or_default();
+    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+    csv::Reader::from_reader(whole.as_bytes()).deserialize().map(|row| row.expect("a row of the table")).collect()
 }
 
 /// What is missing or not as it would have been undisturbed.
@@ -96,19 +107,21 @@ fn lost(rows: &[Row], undisturbed: &Undisturbed, known: &Known) -> Vec<String> {
             Some(theirs) if comparable(id) => {
                 let differ = row.iter().filter(|(column, _)| !FROM_THE_END.contains(&column.as_str()));
                 let differ = differ.filter(|(column, value)| theirs[*column] != **value);
-                lost.extend(differ.map(|(column, value)| format!("{column} of {id} is {value}, not {}", theirs[column])));
+                lost.extend(
+                    differ.map(|(column, value)| format!("{column} of {id} is {value}, not {}", theirs[column])),
+                );
             }
             None if known.true_until_s == f64::INFINITY => lost.push(format!("{id} has not arrived undisturbed")),
             _ => {}
         }
     }
-    if !rows.is_sorted_by_key(|row| number(row, "depart")) {
-        lost.push("the rows are out of order".to_owned());
-    }
     // Whoever arrived before the last one, or before the fault, has a row.
     let last_s = there.iter().filter(|id| comparable(id)).filter_map(|id| arrival_s(id)).fold(known.until_s, f64::max);
-    let missing = undisturbed.rows.keys().filter(|id| arrival_s(id).is_some_and(|s| s < last_s.min(known.true_until_s)));
+    let missing =
+        undisturbed.rows.keys().filter(|id| arrival_s(id).is_some_and(|s| s < last_s.min(known.true_until_s)));
     let missing = missing.filter(|id| !there.contains(id.as_str()) && !known.ids.contains(*id));
-    lost.extend(missing.map(|id| format!("{id} arrived at {:.1} s, before {last_s:.1} s", arrival_s(id).unwrap_or(0.0))));
+    lost.extend(
+        missing.map(|id| format!("{id} arrived at {:.1} s, before {last_s:.1} s", arrival_s(id).unwrap_or(0.0))),
+    );
     lost
 }

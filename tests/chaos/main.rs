@@ -78,7 +78,8 @@ impl Line {
 
     fn print(&self, name: &str) {
         let Self { tried, rows_known, rows_lost, hung, left, wrong, .. } = self;
-        let phases: Vec<String> = Phase::ALL.iter().map(|p| format!("{:>9}", self.phases.get(p).unwrap_or(&0))).collect();
+        let phases: Vec<String> =
+            Phase::ALL.iter().map(|p| format!("{:>9}", self.phases.get(p).unwrap_or(&0))).collect();
         println!("{name:<26}{tried:>6}{}{rows_known:>8}{rows_lost:>6}{hung:>6}{left:>6}{wrong:>7}", phases.concat());
     }
 }
@@ -115,8 +116,19 @@ fn chaos(seed: u64, count: usize) {
         note(Kind::Slurm, count + number, Some(struck_slurm(&cluster, &studies, draw)));
     }
     let lines = lines.into_inner().unwrap();
-    let phases: Vec<String> = Phase::ALL.iter().map(|phase| format!("{:>9}", format!("{phase:?}").to_lowercase())).collect();
-    println!("{:<26}{:>6}{}{:>8}{:>6}{:>6}{:>6}{:>7}", "kind of fault", "tried", phases.concat(), "rows", "lost", "hung", "left", "wrong");
+    let phases: Vec<String> =
+        Phase::ALL.iter().map(|phase| format!("{:>9}", format!("{phase:?}").to_lowercase())).collect();
+    println!(
+        "{:<26}{:>6}{}{:>8}{:>6}{:>6}{:>6}{:>7}",
+        "kind of fault",
+        "tried",
+        phases.concat(),
+        "rows",
+        "lost",
+        "hung",
+        "left",
+        "wrong"
+    );
     let mut sum = Line::default();
     for (place, line) in &lines {
         line.print(Kind::ALL[*place].0.name());

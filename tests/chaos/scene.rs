@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
+use super::end::listens;
 use super::plan::Phase;
 use super::proxy::{self, Fault, Proxy};
 use super::support::{self, CAR, NEW, Row, Running, children, run_command, sumo_home, table};
@@ -77,15 +78,24 @@ impl Scene {
         command
     }
 
-    /// A SUMO of our own that this fault befalls.
+    /// A SUMO of our own that this fault befalls, once it listens.
     pub fn sumo(&self, fault: Fault) -> Sumo {
-        let port = TcpListener::bind(("0.0.0.0", 0)).unwrap().local_addr().unwrap().port();
         let home = sumo_home(NEW);
-        let mut command = Command::new(home.join("bin/sumo"));
-        command.arg("-c").arg(&self.config).args(["--remote-port", &port.to_string(), "--no-step-log"]);
-        command.args(["--step-method.ballistic", "true", "--collision.mingap-factor", "0"]);
-        command.env("SUMO_HOME", home).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-        Sumo { child: command.spawn().unwrap(), proxy: proxy::start(port, fault) }
+        loop {
+            let port = TcpListener::bind(("0.0.0.0", 0)).unwrap().local_addr().unwrap().port();
+            let mut command = Command::new(home.join("bin/sumo"));
+            command.arg("-c").arg(&self.config).args(["--remote-port", &port.to_string(), "--no-step-log"]);
+            command.args(["--step-method.ballistic", "true", "--collision.mingap-factor", "0"]);
+            command.env("SUMO_HOME", &home).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+            let mut child = command.spawn().unwrap();
+            // Another program may snatch the port meanwhile; then SUMO ends.
+            while child.try_wait().unwrap().is_none() {
+                if listens(port) {
+                    return Sumo { child, proxy: proxy::start(port, fault) };
+                }
+                std::thread::sleep(Duration::from_millis(5));
+            }
+        }
     }
 
     /// Such a run with or without a SUMO of its own.
@@ -124,7 +134,8 @@ impl Undisturbed {
     /// Vehicles that arrived before a time.
     pub fn arrived_before(&self, time_s: f64) -> impl Iterator<Item = String> {
         let arrived = self.rows.iter().filter(|(_, row)| row["reason"] == "arrived");
-        let before = arrived.filter(move |(_, row)| row["arrival"].parse().is_ok_and(|arrival_s: f64| arrival_s < time_s));
+        let before =
+            arrived.filter(move |(_, row)| row["arrival"].parse().is_ok_and(|arrival_s: f64| arrival_s < time_s));
         before.map(|(id, _)| id.clone())
     }
 

@@ -67,7 +67,8 @@ fn observed(mut run: Running, plan: &Plan, scene: &Scene, struck: (&Path, Option
                 std::thread::sleep(Duration::from_millis(1));
             }
             port = port.or_else(|| port_of(pid));
-            verdict.phase = if run.child.try_wait().unwrap().is_some() { Phase::Ended } else { phase(pid, dir, plan.joined) };
+            verdict.phase =
+                if run.child.try_wait().unwrap().is_some() { Phase::Ended } else { phase(pid, dir, plan.joined) };
             known.ids = ids_on_disk(dir);
             if plan.kind == Kind::Folder && !dir.join("vehicles.csv.part").exists() {
                 // A table that was whole is gone with its folder.
@@ -135,7 +136,10 @@ fn strike(kind: Kind, pid: u32, dir: &Path) {
 fn wait_for(wanted: Phase, run: &mut Running, dir: &Path, joined: bool) {
     let deadline = Instant::now() + BOUND;
     while run.child.try_wait().unwrap().is_none() && phase(run.child.id(), dir, joined) < wanted {
-        assert!(Instant::now() < deadline, "the run does not get to {wanted:?}");
+        if Instant::now() > deadline {
+            // It is struck where it is, and judged as any other.
+            return;
+        }
         std::thread::sleep(Duration::from_millis(1));
     }
 }
@@ -173,7 +177,9 @@ fn told(ended: &Ended, plan: &Plan, dir: &Path, verdict: &mut Verdict) {
     if ended.stderr.contains("panicked") || !codes.contains(&ended.code) {
         verdict.wrong(format!("ended with {:?}", ended.code));
     }
-    if ended.code == Some(0) && !complete {
+    // What is written last is there until somebody deletes it.
+    let deleted = plan.kind == Kind::Folder && status.is_none();
+    if ended.code == Some(0) && !complete && !deleted {
         verdict.wrong(format!("ended with 0, and run.json says {status:?}"));
     }
     if ended.code == Some(1) && complete && !ended.stderr.contains("the result is whole, but its report") {

@@ -394,6 +394,11 @@ fn whenever_the_program_is_killed_sumo_goes_too() {
         let clients = if kill % 3 == 0 { "2" } else { "1" };
         let args = ["--num-clients", clients, "--quiet", "--no-report"];
         let mut run = Running::start(run_command(NEW, &own("city"), &folder.path().join("result"), &args));
+        // Some while it drives, however long it takes to get there.
+        let deadline = Instant::now() + Duration::from_secs(30);
+        while kill % 6 == 1 && !folder.path().join("result/schema.json").exists() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(2));
+        }
         std::thread::sleep(Duration::from_millis(7 * (kill * 37 % 100)));
         let sumo = children(run.child.id());
         loading += usize::from(!sumo.is_empty());

@@ -138,9 +138,21 @@ fn configurations() -> Vec<Case> {
         ),
         option("a prefix", Written("v_w.xml"), "<output-prefix value=\"OUTSIDE/v_\"/><summary value=\"w.xml\"/>"),
         option("queues", Written("v.xml"), "<queue-output value=\"OUTSIDE/v.xml\"/>"),
-        option("a socket", Refused(&["c.sumocfg:3: tripinfo-output: found 127.0.0.1:9", "wanted a file name"]), "<tripinfo-output value=\"127.0.0.1:9\"/>"),
-        option("a socket by a synonym, on a list", Refused(&["c.sumocfg:3: l: found v.txt,[::1]:9"]), "<l value=\"v.txt,[::1]:9\"/>"),
-        option("a prefix that makes a socket", Written("localhost_v.xml"), "<output-prefix value=\"localhost:\"/><summary value=\"v.xml\"/>"),
+        option(
+            "a socket",
+            Refused(&["c.sumocfg:3: tripinfo-output: found 127.0.0.1:9", "wanted a file name"]),
+            "<tripinfo-output value=\"127.0.0.1:9\"/>",
+        ),
+        option(
+            "a socket by a synonym, on a list",
+            Refused(&["c.sumocfg:3: l: found v.txt,[::1]:9"]),
+            "<l value=\"v.txt,[::1]:9\"/>",
+        ),
+        option(
+            "a prefix that makes a socket",
+            Written("localhost_v.xml"),
+            "<output-prefix value=\"localhost:\"/><summary value=\"v.xml\"/>",
+        ),
         option(
             "ssm",
             Written("v.xml"),
@@ -223,7 +235,11 @@ fn tomls() -> Vec<Case> {
         toml("a prefix of a TOML", Written("v_sumo.log"), r#"["--output-prefix", "OUTSIDE/v_"]"#),
         toml("letters in one word", Refused(&["c.toml:3: ", "a text of its own"]), r#"["-vl", "v.txt"]"#),
         toml("no value", Refused(&["c.toml:3: ", "a file name"]), r#"["--fcd-output", "--v.xml"]"#),
-        toml("a socket of a TOML", Refused(&["c.toml:3: sumo.options", "--fcd-output localhost:9", "a file name"]), r#"["--fcd-output", "localhost:9"]"#),
+        toml(
+            "a socket of a TOML",
+            Refused(&["c.toml:3: sumo.options", "--fcd-output localhost:9", "a file name"]),
+            r#"["--fcd-output", "localhost:9"]"#,
+        ),
         toml("states of a TOML", Written("state_2.00.xml.gz"), r#"["--save-state.times", "2"]"#),
         toml("save-template of a TOML", no_simulation, r#"["--save-template", "OUTSIDE/v.xml"]"#),
         toml("C of a TOML", no_simulation, r#"["-C", "v.xml"]"#),

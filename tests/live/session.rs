@@ -63,7 +63,10 @@ async fn a_session_that_stops_early_is_incomplete_and_keeps_what_there_is() {
     let rows = table(&folder.path().join("vehicles.csv"));
     let row = rows.iter().find(|row| *row["id"] == *first.id).unwrap();
     assert_eq!(number(row, "distance"), first.distance);
-    assert_eq!((number(row, "samples"), number(row, "error_rms")), (statistics.samples as f64, statistics.error_rms.unwrap()));
+    assert_eq!(
+        (number(row, "samples"), number(row, "error_rms")),
+        (statistics.samples as f64, statistics.error_rms.unwrap())
+    );
     let manifest = json(&folder.path().join("run.json"));
     assert_eq!(manifest["status"], "incomplete");
     assert_eq!(manifest["reason"], "stopped at 20 s, before its end");

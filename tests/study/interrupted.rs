@@ -157,7 +157,8 @@ fn several_calls_write_the_tables_at_once() {
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
     }
     assert_eq!(tables(folder.path()), wanted);
-    let parts = fs::read_dir(folder.path()).unwrap().flatten().filter(|e| e.path().extension().is_some_and(|x| x == "part"));
+    let parts =
+        fs::read_dir(folder.path()).unwrap().flatten().filter(|e| e.path().extension().is_some_and(|x| x == "part"));
     assert_eq!(parts.count(), 0);
 }
 
