@@ -255,7 +255,7 @@ const DAY_S: f64 = 86_400.0;
 
 /// 24 hours with 200 vehicles always on the road, 50 000 in all: what grows, and what drifts?
 #[test]
-#[ignore = "some ten minutes; make day"]
+#[ignore = "ten minutes; make day"]
 fn law_a_day_leaves_clock_odometer_and_memory_as_they_were() {
     let _turn = TURN.lock();
     let folder = tempfile::tempdir().unwrap();
@@ -313,5 +313,9 @@ fn law_a_day_leaves_clock_odometer_and_memory_as_they_were() {
     assert!(seen[1..].iter().all(|(.., egos)| *egos > 150), "{seen:?}");
     assert_eq!(first, last, "open files");
     assert!(last_kb < first_kb + 4096, "{first_kb} kB after an hour, {last_kb} kB after a day");
-    assert!(count > 49_000 && (ours_m / theirs_m - 1.0).abs() < 1e-3, "{ours_m} m against {theirs_m} m");
+    // SUMO takes an arriving vehicle out within a step; its body has not driven that part of it.
+    let last_step_m = (theirs_m - ours_m) / f64::from(count);
+    println!("last step of a trip, which only SUMO makes: {last_step_m:.2} m of at most 20 m");
+    assert!(count > 49_000 && (0.0..=20.0).contains(&last_step_m), "{ours_m} m against {theirs_m} m");
+    assert!(gap_m < 0.01, "{gap_m} m");
 }

@@ -1,4 +1,6 @@
-//! Rows that are on disk from the moment they are known: lines of CSV in `<table>.part`, until the whole table is written.
+//! Rows that are on disk from the moment they are known: lines of CSV in `<table>.part`, until the whole table is written. At
+//! the end of a step the rows of all vehicles that left in it are handed to the system, before the next step is asked for: a
+//! killed program loses at most those of the step under way. Only a power cut may cost more.
 
 use super::atomic::{PartFile, part_of};
 use super::csv::{header, line};

@@ -1,6 +1,6 @@
 //! What a fault has cost.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -74,7 +74,7 @@ impl Verdict {
             }
         }
         let rows = rows(dir);
-        let mut lost = lost(&rows, undisturbed, known);
+        let mut lost = lost(&rows, &undisturbed.rows, known);
         if dir.join("vehicles.csv").is_file() && !rows.is_sorted_by_key(|row| number(row, "depart")) {
             lost.push("the rows are out of order".to_owned());
         }
@@ -93,12 +93,12 @@ fn rows(dir: &Path) -> Vec<Row> {
 }
 
 /// What is missing or not as it would have been undisturbed.
-fn lost(rows: &[Row], undisturbed: &Undisturbed, known: &Known) -> Vec<String> {
+fn lost(rows: &[Row], undisturbed: &BTreeMap<String, Row>, known: &Known) -> Vec<String> {
     let mut lost = Vec::new();
     let arrived: Vec<&Row> = rows.iter().filter(|row| row["reason"] == "arrived").collect();
     let there: BTreeSet<&str> = arrived.iter().map(|row| row["id"].as_str()).collect();
     lost.extend(known.ids.iter().filter(|id| !there.contains(id.as_str())).map(|id| format!("{id} had a row")));
-    let theirs = |id: &str| undisturbed.rows.get(id).filter(|row| row["reason"] == "arrived");
+    let theirs = |id: &str| undisturbed.get(id).filter(|row| row["reason"] == "arrived");
     let arrival_s = |id: &str| theirs(id).map(|row| number(row, "arrival"));
     let comparable = |id: &str| arrival_s(id).is_some_and(|arrival_s| arrival_s < known.true_until_s);
     for row in &arrived {
@@ -117,11 +117,35 @@ fn lost(rows: &[Row], undisturbed: &Undisturbed, known: &Known) -> Vec<String> {
     }
     // Whoever arrived before the last one, or before the fault, has a row.
     let last_s = there.iter().filter(|id| comparable(id)).filter_map(|id| arrival_s(id)).fold(known.until_s, f64::max);
-    let missing =
-        undisturbed.rows.keys().filter(|id| arrival_s(id).is_some_and(|s| s < last_s.min(known.true_until_s)));
+    let missing = undisturbed.keys().filter(|id| arrival_s(id).is_some_and(|s| s < last_s.min(known.true_until_s)));
     let missing = missing.filter(|id| !there.contains(id.as_str()) && !known.ids.contains(*id));
     lost.extend(
         missing.map(|id| format!("{id} arrived at {:.1} s, before {last_s:.1} s", arrival_s(id).unwrap_or(0.0))),
     );
     lost
+}
+
+/// A judge that sees nothing would find nothing.
+#[test]
+fn what_is_missing_or_changed_is_noticed() {
+    let row = |k: u32, reason: &str| -> Row {
+        let columns = [("id", format!("v{k}")), ("depart", k.to_string()), ("arrival", (10 + k).to_string())];
+        let more = [("reason", reason.to_owned()), ("distance", "300".to_owned())];
+        columns.into_iter().chain(more).map(|(name, value)| (name.to_owned(), value)).collect()
+    };
+    let undisturbed: BTreeMap<String, Row> = (0..9).map(|k| (format!("v{k}"), row(k, "arrived"))).collect();
+    let all: Vec<Row> = (0..5).map(|k| row(k, "arrived")).collect();
+    let known = Known { ids: ["v3".to_owned()].into(), until_s: 13.5, true_until_s: f64::INFINITY };
+    assert_eq!(lost(&all, &undisturbed, &known), [""; 0]);
+    let without = |gone: usize| all.iter().enumerate().filter(move |(k, _)| *k != gone).map(|(_, row)| row.clone());
+    assert_eq!(lost(&without(3).collect::<Vec<_>>(), &undisturbed, &known), ["v3 had a row"]);
+    assert_eq!(lost(&without(1).collect::<Vec<_>>(), &undisturbed, &known).len(), 1, "a hole");
+    assert_eq!(lost(&all[..4], &undisturbed, &known), [""; 0], "v4 left after the fault");
+    assert_eq!(lost(&all[..3], &undisturbed, &known).len(), 1);
+    let mut changed = all.clone();
+    changed[2].insert("distance".to_owned(), "301".to_owned());
+    assert_eq!(lost(&changed, &undisturbed, &known), ["distance of v2 is 301, not 300"]);
+    // Behind a wrong byte on the wire nothing is compared.
+    let garbled = Known { ids: BTreeSet::new(), until_s: 11.5, true_until_s: 11.5 };
+    assert_eq!(lost(&changed, &undisturbed, &garbled), [""; 0]);
 }
