@@ -1,12 +1,14 @@
 # make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo dist test bytes matrix tuning fuzz bench book setup setup-test clean
+.PHONY: help demo dist test bytes matrix tuning chaos day fuzz bench book setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
 gains ?= 2
 fuzz_s ?= 60
+chaos_seed ?= 1
+chaos_n ?= 320
 
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
@@ -43,6 +45,12 @@ tuning: ## Tune every law with as many gains on the same drives, and judge them 
 	  --condition "twice the mass: vehicle.mass_factor=2" \
 	  --condition "half the friction: vehicle.friction_factor=0.5" \
 	  --condition "twice the mass, dead time 0.25 s: vehicle.mass_factor=2 actuator.delay_s=0.25"
+
+chaos: setup-test ## Strike runs at random times chaos_n=320 times: kills, cut sockets, full disks; one table (chaos_seed=1)
+	CHAOS_SEED=$(chaos_seed) CHAOS_N=$(chaos_n) cargo test --release --locked --test chaos -- --ignored --nocapture
+
+day: setup-test ## A day of simulated time with 200 vehicles on the road: memory, open files, clock, odometer (ten minutes)
+	cargo test --release --locked --test memory -- --ignored --nocapture law_a_day
 
 fuzz: ## Feed SUMO's recorded answers, changed at random, to the decoder for fuzz_s=60 seconds (nightly Rust)
 	@cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "make fuzz needs: rustup toolchain install nightly && cargo install cargo-fuzz --locked" >&2; exit 1; }

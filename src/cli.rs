@@ -108,7 +108,7 @@ fn told(result: &RunResult, args: &RunArgs) -> miette::Result<()> {
     if let Some(form) = args.export.export {
         print(&tables::summed_up(result, form))?;
     } else if !args.quiet {
-        print(&terminal_text(&result.summary, &result.rows, &result.dir, &result.files))?;
+        print(&terminal_text(&result.summary, &result.remarkable, &result.dir, &result.files))?;
     }
     match &result.profile {
         Some(profile) if args.export.export.is_some() => eprint!("{profile}"),

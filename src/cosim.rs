@@ -53,7 +53,7 @@ pub use events::Events;
 pub use places::Place;
 pub use platoon::StringGain;
 pub use question::{Gets, NoAnswer, Object, Question, With};
-pub use records::{Counters, Finished, Reason, Records};
+pub use records::{Counters, Finished, Reason, Records, Told};
 pub use roads::Roads;
 pub use setup::WorldSetup;
 pub use sumo::{Joined, Sumo, Tell};

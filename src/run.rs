@@ -25,7 +25,9 @@
 //! Whatever ends a run early (SUMO died, the disk is full, Ctrl-C) leaves what was computed so far, marked incomplete.
 
 mod error;
+mod joined;
 mod manifest;
+mod noted;
 mod outcome;
 mod profile;
 mod progress;
@@ -42,6 +44,7 @@ pub mod setup;
 mod signals;
 mod spread;
 mod summary;
+mod tally;
 mod whole;
 
 pub use error::RunError;
@@ -59,4 +62,5 @@ pub use signals::Signal;
 pub(crate) use signals::Signals;
 pub use spread::Spread;
 pub use summary::{Summary, SumoTotals, terminal_text};
+pub use tally::Remarkable;
 pub use whole::{RunOptions, run};

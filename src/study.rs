@@ -39,7 +39,7 @@ mod warming;
 mod work;
 
 pub use case::State;
-pub use collect::{Tables, case_layout, collect, study_schema};
+pub use collect::{Tables, Turn, case_layout, collect, study_schema};
 pub use comparison::{ComparisonRow, comparison_layout, key_columns};
 pub use definition::{Arguments, Definition, file_keys};
 pub use error::StudyError;

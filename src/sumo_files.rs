@@ -41,5 +41,5 @@ pub use settings::as_configured;
 pub use setup::{Source, SumoSetup};
 pub use state::{plain_until, saving, span_s};
 pub use statistics::SumoStatistics;
-pub use tripinfo::{EMISSIONS, TripInfo, Trips};
+pub use tripinfo::{EMISSIONS, TripInfo, Trips, each_trip};
 pub(crate) use xml::{bounded, is_xml};

@@ -1,14 +1,15 @@
-//! Memory: nothing is allocated in steady state, an ego takes at most 4 kB, and nothing grows. Against real SUMO, with
-//! an allocator that counts.
+//! Memory: nothing is allocated in steady state, an ego takes at most 4 kB, and nothing grows, neither with time nor with
+//! the vehicles that have left. Against real SUMO, with an allocator that counts.
 
 #[allow(dead_code, reason = "the other tests against SUMO use the rest")]
 #[path = "live/support.rs"]
 mod support;
 
 use std::alloc::System;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 use sumo_mfc::control::CONTROLLERS;
@@ -18,10 +19,10 @@ use sumo_mfc::keys::Values;
 use sumo_mfc::plant::{BODIES, SevenDof};
 use sumo_mfc::random::Stream;
 use sumo_mfc::registry::find;
-use sumo_mfc::run;
+use sumo_mfc::run::{self, Session, SessionOptions};
 use sumo_mfc::scenario::{Catalog, Override, Request, Scenario};
 use sumo_mfc::traci::{SumoProcess, find_sumo};
-use support::{CAR, NEW, straight_road, sumo_home};
+use support::{CAR, NEW, Running, run_command, straight_road, sumo_home};
 
 #[global_allocator]
 static COUNTING: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
@@ -159,4 +160,162 @@ fn an_ego_takes_at_most_four_kilobytes() {
     println!("whole world, bytes per ego: {whole}");
     assert!(whole < 4096, "bytes per ego: {whole}");
     assert!(whole > prompt, "the columns are part of it: {whole} against {prompt}");
+}
+
+/// A short road of four lanes on which so many vehicles spend a few seconds each, two a second.
+fn short_trips(folder: &Path, vehicles: u32) -> PathBuf {
+    let nodes = r#"<node id="a" x="0" y="0"/><node id="b" x="60" y="0"/><node id="c" x="120" y="0"/>"#;
+    let edges = r#"<edge id="ab" from="a" to="b" numLanes="4" speed="30"/><edge id="bc" from="b" to="c" numLanes="4" speed="30"/>"#;
+    let net = support::network(folder, nodes, edges);
+    let flow = format!(
+        r#"{CAR}<flow id="f" type="car" begin="0" end="{}" number="{vehicles}" from="ab" to="bc" departSpeed="max" departLane="free" arrivalLane="current"/>"#,
+        vehicles / 2
+    );
+    support::configuration(folder, &net, &flow, "")
+}
+
+/// Bytes that a run holds after so many of its vehicles have left.
+#[test]
+fn law_memory_does_not_grow_with_the_vehicles_that_have_left() {
+    let _turn = TURN.lock();
+    let folder = tempfile::tempdir().unwrap();
+    let request = Request::file(short_trips(folder.path(), 3000))
+        .with(Override::text("--controller", "controller.name", "classic"))
+        .with(Override::literal("--step-length", "sumo.step_length_s", 1.0));
+    let scenario = Scenario::load(&request, &Catalog::installed()).unwrap();
+    let sumo = Some(sumo_home(NEW).join("bin/sumo"));
+    let options = SessionOptions { out_dir: folder.path().join("result"), sumo, ..SessionOptions::default() };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let drive = async || {
+        let mut session = Session::open(&scenario, &options).await.unwrap();
+        // The sample of 200 vehicles is full by then, and all buffers have their size.
+        while session.time_s() < 500.0 {
+            session.step().await.unwrap();
+        }
+        let left = |session: &Session| session.world().records().counters.arrived;
+        let (before, region) = (left(&session), Region::new(COUNTING));
+        while session.time_s() < 1400.0 {
+            session.step().await.unwrap();
+        }
+        let (left, held) = (left(&session) - before, held(&region.change()));
+        session.finish().await.unwrap();
+        (left as i64, held)
+    };
+    let (left, held) = pool.install(|| runtime.block_on(drive()));
+    println!("bytes per vehicle that has left: {:.2}", held as f64 / left as f64);
+    assert!(left > 1500, "{left} vehicles have left");
+    assert!(held < 4 * left, "{held} bytes more after {left} vehicles");
+}
+
+/// The largest memory of the program while it runs so many short trips \[kB\], and how long that took.
+fn peak_kb(vehicles: u32) -> (u64, Duration) {
+    let folder = tempfile::tempdir().unwrap();
+    let config = short_trips(folder.path(), vehicles);
+    let dir = folder.path().join("result");
+    let args = ["--step-length", "1", "--controller", "classic", "--no-report", "--quiet"];
+    let begun = Instant::now();
+    let mut run = Running::start_for(run_command(NEW, &config, &dir, &args), Duration::from_secs(1800));
+    let mut peak_kb = 0;
+    while run.child.try_wait().unwrap().is_none() {
+        peak_kb = peak_kb.max(status_kb(run.child.id(), "VmHWM"));
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let took = begun.elapsed();
+    let ended = run.wait();
+    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    assert_eq!(support::table(&dir.join("vehicles.csv")).len(), vehicles as usize);
+    (peak_kb, took)
+}
+
+/// A line of `/proc/PID/status` \[kB\], 0 once the process has ended.
+fn status_kb(pid: u32, name: &str) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'));
+    line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
+
+/// The program from its start to its last byte, the sorting of its tables included.
+#[test]
+#[ignore = "some minutes; cargo test --release --test memory -- --ignored --nocapture short_trips"]
+fn law_the_program_is_as_large_after_sixty_thousand_short_trips_as_after_twenty_thousand() {
+    let _turn = TURN.lock();
+    let [few, many] = [20_000, 60_000].map(|vehicles| {
+        let (peak_kb, took) = peak_kb(vehicles);
+        println!("{vehicles} vehicles: largest memory {peak_kb} kB, {:.0} s", took.as_secs_f64());
+        peak_kb
+    });
+    let growth = (many as f64 - few as f64) / 40_000.0;
+    println!("growth: {growth:.3} kB per vehicle");
+    assert!(growth < 0.05, "{growth:.3} kB per vehicle");
+}
+
+/// Seconds of a day, in as many steps.
+const DAY_S: f64 = 86_400.0;
+
+/// 24 hours with 200 vehicles always on the road, 50 000 in all: what grows, and what drifts?
+#[test]
+#[ignore = "ten minutes; make day"]
+fn law_a_day_leaves_clock_odometer_and_memory_as_they_were() {
+    let _turn = TURN.lock();
+    let folder = tempfile::tempdir().unwrap();
+    let nodes = r#"<node id="a" x="0" y="0"/><node id="b" x="3500" y="0"/><node id="c" x="7000" y="0"/>"#;
+    let edges = r#"<edge id="ab" from="a" to="b" numLanes="3" speed="20"/><edge id="bc" from="b" to="c" numLanes="3" speed="20"/>"#;
+    let net = support::network(folder.path(), nodes, edges);
+    let flow = r#"<flow id="f" type="car" begin="0" end="86400" number="50200" from="ab" to="bc" departSpeed="max" departLane="free"/>"#;
+    let end = r#"<time><end value="86400"/></time>"#;
+    let config = support::configuration(folder.path(), &net, &format!("{CAR}{flow}"), end);
+    let request = Request::file(config).with(Override::literal("--step-length", "sumo.step_length_s", 1.0));
+    let scenario = Scenario::load(&request, &Catalog::installed()).unwrap();
+    let dir = folder.path().join("result");
+    let sumo = Some(sumo_home(NEW).join("bin/sumo"));
+    let options = SessionOptions { out_dir: dir.clone(), sumo, ..SessionOptions::default() };
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let begun = Instant::now();
+    let drive = async || {
+        let mut session = Session::open(&scenario, &options).await.unwrap();
+        let mut seen = Vec::new();
+        let (mut steps, mut apart_s) = (0_u32, 0.0_f64);
+        while !session.is_over() {
+            session.step().await.unwrap();
+            steps += 1;
+            apart_s = apart_s.max((f64::from(steps) * session.world().step_s() - session.time_s()).abs());
+            if steps.is_multiple_of(3600) {
+                let rss_kb = status_kb(std::process::id(), "VmRSS");
+                let handles = fs::read_dir("/proc/self/fd").unwrap().count();
+                let (egos, left) = (session.world().egos().len(), session.world().records().counters.arrived);
+                println!("hour {:>2}: {rss_kb} kB, {handles} open files, {egos} egos, {left} have left", steps / 3600);
+                seen.push((rss_kb, handles, egos));
+            }
+        }
+        println!("clock: {steps} steps, at most {apart_s:e} s apart from SUMO's time");
+        assert_eq!(apart_s, 0.0);
+        (session.finish().await.unwrap().summary, seen)
+    };
+    let (summary, seen) = pool.install(|| runtime.block_on(drive()));
+    println!("largest memory, the end included: {} kB", status_kb(std::process::id(), "VmHWM"));
+    let rows = support::table(&dir.join("vehicles.csv"));
+    let arrived = rows.iter().filter(|row| row["reason"] == "arrived");
+    let (mut ours_m, mut gap_m, mut count) = (0.0, 0.0_f64, 0_u32);
+    for row in arrived {
+        ours_m += support::number(row, "distance");
+        gap_m = gap_m.max(support::number(row, "odometer_gap").abs());
+        count += 1;
+    }
+    let trips = support::elements(&dir.join("sumo/tripinfo.xml"), "tripinfo");
+    let trips = trips.iter().filter(|trip| support::attribute(trip, "arrival") != "-1.00");
+    let theirs_m: f64 = trips.map(|trip| support::attribute(trip, "routeLength").parse::<f64>().unwrap()).sum();
+    println!("odometer: {count} arrived, bodies {ours_m:.1} m, SUMO {theirs_m:.1} m, largest gap of one {gap_m:.2} m");
+    let took_s = begun.elapsed().as_secs_f64();
+    println!("{took_s:.0} s, {:.0} x real time; {} egos in all", DAY_S / took_s, summary.count("vehicles"));
+    let ((first_kb, first, _), (last_kb, last, _)) = (seen[0], seen[23]);
+    assert!(seen[1..].iter().all(|(.., egos)| *egos > 150), "{seen:?}");
+    assert_eq!(first, last, "open files");
+    assert!(last_kb < first_kb + 4096, "{first_kb} kB after an hour, {last_kb} kB after a day");
+    // SUMO takes an arriving vehicle out within a step; its body has not driven that part of it.
+    let last_step_m = (theirs_m - ours_m) / f64::from(count);
+    println!("last step of a trip, which only SUMO makes: {last_step_m:.2} m of at most 20 m");
+    assert!(count > 49_000 && (0.0..=20.0).contains(&last_step_m), "{ours_m} m against {theirs_m} m");
+    assert!(gap_m < 0.01, "{gap_m} m");
 }

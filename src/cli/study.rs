@@ -12,7 +12,7 @@ use crate::{
     registry::find,
     scenario::Catalog,
     study::{
-        Arguments, Case, Definition, EXECUTORS, Ended, Plan, Standing, State, StudyError, Work, advice, collect,
+        Arguments, Case, Definition, EXECUTORS, Ended, Plan, Standing, State, StudyError, Turn, Work, advice, collect,
         exported_table, run_task, terminal_table,
     },
 };
@@ -115,6 +115,7 @@ pub fn slurm_task(args: &SlurmTaskArgs) -> miette::Result<ExitCode> {
 
 /// Writes and prints the tables.
 fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
+    let _turn = Turn::wait(&plan.dir)?;
     let tables = collect(plan)?;
     tables.write(plan)?;
     let [done, failed, missing] = tables.counts;

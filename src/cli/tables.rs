@@ -64,7 +64,7 @@ pub fn summed_up(result: &RunResult, form: Form) -> String {
         inserted: summary.sumo.inserted,
         arrived: summary.sumo.arrived,
         time_loss_mean: summary.sumo.time_loss_mean_s,
-        clamped_steps: result.rows.iter().map(|row| row.stats.clamped_steps).sum(),
+        clamped_steps: result.remarkable.clamped_steps,
         collisions: summary.sumo.collisions,
         teleports: summary.sumo.teleports,
         real_time_factor: summary.real_time_factor,

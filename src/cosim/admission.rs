@@ -134,7 +134,7 @@ impl Admission {
         for id in self.waiting.drain(..self.waiting.len().min(ASKED_AT_ONCE)) {
             match Object::new(id.as_str()) {
                 Ok(vehicle) => vehicles.push(vehicle),
-                Err(error) => counters.refused.push((id, error.to_string())),
+                Err(error) => counters.refused.add(|| format!("\"{id}\": {error}")),
             }
         }
         let wanted = self.wanted;
@@ -151,7 +151,7 @@ impl Admission {
         let known = &mut self.known;
         sumo.answers(asked, |VehicleQuestion { object, .. }, answer| match answer {
             Ok(departed) => known.extend(departed),
-            Err(NoAnswer::Unaskable(error)) => counters.refused.push((object.id.to_string(), error.to_string())),
+            Err(NoAnswer::Unaskable(error)) => counters.refused.add(|| format!("\"{}\": {error}", object.id)),
             // It has left in the meantime.
             Err(NoAnswer::Gone) => {}
         })
@@ -201,9 +201,7 @@ impl Admission {
             return Ok(None);
         };
         let Some(facts) = self.types.get(&departed.type_id) else {
-            counters
-                .refused
-                .push((id.to_string(), format!("SUMO does not tell about its vType \"{}\"", departed.type_id)));
+            counters.refused.add(|| format!("\"{id}\": SUMO does not tell about its vType \"{}\"", departed.type_id));
             return Ok(None);
         };
         if preset_of_class(&facts.class).is_none() {
@@ -226,7 +224,8 @@ impl Admission {
             }
         }
         if !USUAL_MASS.contains(&(setup.body.mass_kg / usual_kg)) {
-            counters.odd_masses.push(format!("\"{id}\": {:.0} kg instead of {usual_kg:.0} kg", setup.body.mass_kg));
+            let mass_kg = setup.body.mass_kg;
+            counters.odd_masses.add(|| format!("\"{id}\": {mass_kg:.0} kg instead of {usual_kg:.0} kg"));
         }
         let margin_s = self
             .rules

@@ -105,9 +105,26 @@ pub struct Counters {
     /// vTypes whose accel or emergencyDecel [m/s²] is more than their bodies can give, with both and what the bodies give.
     pub beyond_body: BTreeMap<String, [[f64; 2]; 2]>,
     /// Departed vehicles that were to be egos but cannot be, with the reason.
-    pub refused: Vec<(String, String)>,
-    /// Egos of less than half or more than twice the mass that preset and vType give, in words.
-    pub odd_masses: Vec<String>,
+    pub refused: Told,
+    /// Egos of less than half or more than twice the mass that preset and vType give.
+    pub odd_masses: Told,
+}
+
+/// Vehicles of which something is to be told.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Told {
+    /// How many there are.
+    pub count: u64,
+    /// The first, in words.
+    pub first: Option<String>,
+}
+
+impl Told {
+    /// One more.
+    pub(super) fn add(&mut self, words: impl FnOnce() -> String) {
+        self.count += 1;
+        self.first.get_or_insert_with(words);
+    }
 }
 
 /// Records, roads and counters.
@@ -135,7 +152,7 @@ impl Records {
         }
         self.counters.crept += u64::from(ego.creep.crept);
         self.finished.push(Finished {
-            collisions: self.collisions.get(&**ego.id()).copied().unwrap_or(0),
+            collisions: self.collisions.remove(&**ego.id()).unwrap_or(0),
             id: ego.object.id,
             type_id: ego.type_id,
             group: ego.group,

@@ -1,20 +1,30 @@
-//! Rows that are on disk from the moment they are known: lines of CSV in `<table>.part`, until the whole table is written.
+//! Rows that are on disk from the moment they are known: lines of CSV in `<table>.part`, until the whole table is written. At
+//! the end of a step the rows of all vehicles that left in it are handed to the system, before the next step is asked for: a
+//! killed program loses at most those of the step under way. Only a power cut may cost more.
 
 use super::atomic::{PartFile, part_of};
 use super::csv::{header, line};
 use super::error::{OutputError, file_error};
+use super::sorted::{Section, unnamed};
+use super::text::append;
 use super::write::Table;
 use crate::table::{Layout, Shape};
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind};
+use std::ops::Range;
+use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 /// Rows of a table that is not whole.
 pub struct Journal<R: 'static> {
     layout: &'static Layout<R>,
     path: PathBuf,
+    /// What errors call it.
+    name: PathBuf,
     file: File,
+    /// Where the header ends, and the last row.
+    rows: Range<u64>,
 }
 
 impl<R> Journal<R> {
@@ -24,29 +34,93 @@ impl<R> Journal<R> {
     /// [`OutputError::File`] if the file cannot be made.
     pub fn create(path: &Path, layout: &'static Layout<R>) -> Result<Self, OutputError> {
         let part = part_of(path);
-        let made =
-            File::create(&part).and_then(|mut file| file.write_all(&header(&layout.shape.columns)?).map(|()| file));
-        let file = made.map_err(file_error("create", &part))?;
-        Ok(Self { layout, path: path.to_owned(), file })
+        let file = File::options().read(true).write(true).create(true).truncate(true).open(&part);
+        Self::begin(file, path, part, layout)
     }
 
-    /// Appends rows. The system has them when this returns, whatever becomes of this program.
+    /// One that nobody will see, in the folder of `path`.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if the file cannot be made.
+    pub fn unnamed(path: &Path, layout: &'static Layout<R>) -> Result<Self, OutputError> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        Self::begin(unnamed(&folder), path, folder, layout)
+    }
+
+    fn begin(
+        file: io::Result<File>,
+        path: &Path,
+        name: PathBuf,
+        layout: &'static Layout<R>,
+    ) -> Result<Self, OutputError> {
+        let made = file.and_then(|file| {
+            let header = header(&layout.shape.columns)?;
+            file.write_all_at(&header, 0)?;
+            Ok((file, header.len() as u64))
+        });
+        let (file, begin) = made.map_err(file_error("create", &name))?;
+        Ok(Self { layout, path: path.to_owned(), name, file, rows: begin..begin })
+    }
+
+    /// Appends rows. The system has them when this returns, whatever becomes of this program. After an error none of them
+    /// is there.
     ///
     /// # Errors
     /// [`OutputError::File`], e.g. when the disk is full.
     pub fn append<'r>(&mut self, rows: impl IntoIterator<Item = &'r R>) -> Result<(), OutputError> {
         let lines: io::Result<Vec<_>> = rows.into_iter().map(|row| line(&mut self.layout.cells(row))).collect();
-        let written = lines.and_then(|lines| self.file.write_all(&lines.concat()));
-        written.map_err(file_error("write", &part_of(&self.path)))
+        let written = lines.map(|lines| lines.concat()).and_then(|lines| {
+            self.file.write_all_at(&lines, self.rows.end).map(|()| self.rows.end += lines.len() as u64)
+        });
+        written.map_err(|error| {
+            self.cut(self.rows.end);
+            file_error("write", &self.name)(error)
+        })
     }
 
-    /// Writes the whole table, which takes the place of the journal.
+    /// How long it is, for [`Journal::cut`].
+    pub fn len(&self) -> u64 {
+        self.rows.end
+    }
+
+    /// Takes the rows back that came after it was so long.
+    pub fn cut(&mut self, length: u64) {
+        self.rows.end = length;
+        // What stands behind the end is written over, and read by nobody but who recovers.
+        let _ = self.file.set_len(length);
+    }
+
+    /// The texts of all rows, in the order in which they came.
+    pub fn texts(&self) -> impl Iterator<Item = Result<Vec<String>, OutputError>> {
+        let section = Section { file: &self.file, range: self.rows.clone() };
+        let reader = csv::ReaderBuilder::new().has_headers(false).flexible(false).from_reader(section);
+        reader
+            .into_deserialize()
+            .map(|row| row.map_err(|error| file_error("read", &self.name)(io::Error::other(error))))
+    }
+
+    /// The texts of a row that is in no journal.
+    pub fn texts_of(&self, row: &R) -> Vec<String> {
+        texts(self.layout, row)
+    }
+
+    /// Writes the whole table from the texts of its rows; it takes the place of the journal.
     ///
     /// # Errors
     /// [`OutputError`]; the journal stays then.
-    pub fn finish<'r>(&self, rows: impl IntoIterator<Item = &'r R>) -> Result<PathBuf, OutputError> {
-        write_over(&self.path, self.layout, rows)
+    pub fn finish(&self, rows: impl Iterator<Item = Result<Vec<String>, OutputError>>) -> Result<PathBuf, OutputError> {
+        write_over(&self.path, &Layout::of_texts(&self.layout.shape), rows)
     }
+}
+
+/// The texts of the values of a row.
+pub fn texts<R: 'static>(layout: &Layout<R>, row: &R) -> Vec<String> {
+    let text = |cell| {
+        let mut text = String::new();
+        append(&mut text, cell);
+        text
+    };
+    layout.cells(row).map(text).collect()
 }
 
 /// Where the whole table is written while its journal is there.
@@ -60,14 +134,14 @@ pub fn whole_of(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// [`OutputError`]; the journal stays then.
-pub fn write_over<'r, R: 'static>(
+pub fn write_over<R: 'static>(
     path: &Path,
     layout: &Layout<R>,
-    rows: impl IntoIterator<Item = &'r R>,
+    rows: impl IntoIterator<Item = Result<R, OutputError>>,
 ) -> Result<PathBuf, OutputError> {
     let mut table = Table::open(PartFile::create_as(path, whole_of(path))?, layout)?;
     for row in rows {
-        table.write(row)?;
+        table.write(&row?)?;
     }
     let path = table.finish()?;
     let journal = part_of(&path);
@@ -99,6 +173,7 @@ pub fn read_journal(path: &Path, shape: &Shape) -> Result<Vec<Vec<String>>, Outp
 mod tests {
     use super::*;
     use crate::table::record;
+    use std::io::Write;
     use std::sync::LazyLock;
 
     record! {
@@ -135,7 +210,9 @@ mod tests {
         for (text, row) in texts.iter().zip(&rows) {
             assert!(as_texts.cells(text).eq(POINTS.cells(row)));
         }
-        let whole = journal.finish(&rows).unwrap();
+        assert_eq!(journal.texts().map(Result::unwrap).collect::<Vec<_>>(), texts);
+        assert_eq!(journal.texts_of(&rows[0]), texts[0]);
+        let whole = journal.finish(journal.texts()).unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{}", whole.display());
     }
 
@@ -146,7 +223,22 @@ mod tests {
         let mut journal = Journal::create(&path, &POINTS).unwrap();
         journal.append(&points()).unwrap();
         std::os::unix::fs::symlink("/dev/full", whole_of(&path)).unwrap();
-        assert!(journal.finish(&points()).is_err());
+        assert!(journal.finish(journal.texts()).is_err());
+        assert_eq!(read_journal(&path, &POINTS.shape).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn rows_that_cannot_be_appended_leave_no_part_of_a_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let mut journal = Journal::create(&path, &POINTS).unwrap();
+        journal.append(&points()[..1]).unwrap();
+        let whole = std::mem::replace(&mut journal.file, File::open(part_of(&path)).unwrap());
+        whole.write_all_at(b"half a li", journal.rows.end).unwrap();
+        assert!(journal.append(&points()[1..]).is_err(), "a file that is only read");
+        journal.file = whole;
+        assert_eq!(journal.texts().count(), 1);
+        journal.append(&points()[1..]).unwrap();
         assert_eq!(read_journal(&path, &POINTS.shape).unwrap().len(), 2);
     }
 

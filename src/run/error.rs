@@ -73,6 +73,9 @@ pub enum RunError {
     /// SUMO's outputs are not whole.
     #[error("{0}; the rows are written, and marked incomplete")]
     Outputs(String),
+    /// Somebody has deleted the folder of the result, or that of SUMO's outputs.
+    #[error("{} was deleted while the run was under way: what SUMO wrote is lost; the rows are written, and marked incomplete", .0.display())]
+    Deleted(PathBuf),
     /// A run without egos shows nothing.
     #[error("no vehicle has become an ego: {0}; the tables are written, and the result is marked incomplete")]
     NoEgos(String),

@@ -1,20 +1,24 @@
 //! What a run comes to: SUMO's own outputs joined with the fleet's records.
 
 use super::error::RunError;
-use super::rows::{EdgeRow, QualityRow, VehicleRow, edge_rows};
+use super::joined::{Joined, SortedTrips};
+use super::noted::Noted;
+use super::rows::{EdgeRow, edge_rows};
 use super::summary::{COUNTS, SumoTotals};
-use crate::cosim::{Counters, Finished, LONG_S, Reason, Records, SLOW_MPS};
+use super::tally::{Tallied, Tally};
+use crate::cosim::{Counters, LONG_S, Records, SLOW_MPS};
+use crate::output::OutputError;
 use crate::registry::nearest;
 use crate::scenario::{Scenario, Selector, Trace};
-use crate::sumo_files::{SumoCommand, SumoFileError, SumoStatistics, Trips, left_out};
-use std::collections::{BTreeSet, HashMap};
+use crate::sumo_files::{SumoCommand, SumoFileError, SumoStatistics, left_out};
+use std::path::Path;
 
 /// Rows and totals of a run.
 pub struct Outcome {
-    /// One row per ego that departed.
-    pub rows: Vec<VehicleRow>,
-    /// Its drive quality, row by row.
-    pub quality: Vec<QualityRow>,
+    /// The rows, in order.
+    pub joined: Joined,
+    /// What they come to.
+    pub tallied: Tallied,
     /// Errors by road.
     pub edges: Vec<EdgeRow>,
     /// Totals of the whole traffic.
@@ -27,14 +31,33 @@ pub struct Outcome {
     pub failed: Option<RunError>,
 }
 
+/// A run that has ended, to be summed up.
+pub struct Ended<'r> {
+    /// What was run.
+    pub scenario: &'r Scenario,
+    /// When it ended \[s\].
+    pub time_s: f64,
+    /// The SUMO that was started for it, if it has ended.
+    pub own_sumo: Option<&'r SumoCommand>,
+    /// Whether the run broke off.
+    pub broke_off: bool,
+    /// Where what does not fit into memory may go.
+    pub folder: &'r Path,
+}
+
 impl Outcome {
-    /// Joins the records with what the SUMO that we started has written. Of one that we joined, and of one that died,
+    /// Joins the rows with what the SUMO that we started has written. Of one that we joined, and of one that died,
     /// only what the replies told is known. Rows do not depend on SUMO's files: those that cannot be read leave the columns
     /// empty that come from them.
-    pub fn new(scenario: &Scenario, records: Records, time_s: f64, own_sumo: Option<&SumoCommand>, died: bool) -> Self {
-        let mut notes = notes(&records.counters, records.finished.len());
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if the disk is full, or a journal cannot be read.
+    pub fn new(ended: &Ended<'_>, noted: &Noted, records: Records) -> Result<Self, OutputError> {
+        let Ended { scenario, time_s, own_sumo, broke_off, folder } = *ended;
+        let counters = &records.counters;
+        let mut notes = notes(counters, noted.count);
         let mut told = |error: SumoFileError, instead: &str| {
-            if !died {
+            if !broke_off {
                 notes.push(format!("{error}: {instead}"));
             }
         };
@@ -42,114 +65,66 @@ impl Outcome {
             let totals = "inserted, collisions and teleports are those told over TraCI";
             SumoStatistics::read(&own.statistics).map_err(|error| told(error, totals)).ok()
         });
-        let trips = own_sumo
-            .and_then(|own| Trips::read(&own.tripinfo).map_err(|error| told(error, "time losses are missing")).ok());
-        let cut = trips.as_ref().is_some_and(|trips| !trips.whole) && !died;
+        let trips = match own_sumo {
+            Some(own) => {
+                SortedTrips::read(&own.tripinfo, folder)?.map_err(|error| told(error, "time losses are missing")).ok()
+            }
+            None => None,
+        };
+        let cut = trips.as_ref().is_some_and(|trips| !trips.whole) && !broke_off;
         let broken = own_sumo.filter(|_| cut).map(|own| format!("{}: the file breaks off", own.tripinfo.display()));
         // A log that the user sent elsewhere need not be a file.
         if let Some((count, first)) = own_sumo.and_then(|own| left_out(&own.log).ok().flatten()) {
             notes.push(format!("SUMO's log has {count} warnings about vehicles that it left out; the first: {first}"));
         }
-        let asked = records.counters.departed > 0 && scenario.egos != Selector::Share(0.0);
-        let nobody =
-            (asked && records.finished.is_empty()).then(|| RunError::NoEgos(no_egos(scenario, &records.counters)));
-        let (has_trips, mut trips) = (trips.is_some(), trips.unwrap_or_default());
-        take_own_time_losses(&records.finished, &mut trips);
-        let counters = &records.counters;
-        let (mut arrived, time_loss_mean_s) = trips.arrivals();
+        let asked = counters.departed > 0 && scenario.egos != Selector::Share(0.0);
+        let nobody = (asked && noted.count == 0).then(|| RunError::NoEgos(no_egos(scenario, counters)));
+        let (has_trips, trips) = (trips.is_some(), trips.unwrap_or_else(|| SortedTrips::none(folder)));
         // `device.tripinfo.probability` leaves vehicles out.
-        let (found, entered) = (trips.all().count() as u64, counters.present + counters.departed);
+        let (found, entered) = (trips.count, counters.present + counters.departed);
+        let joined = Joined::new(noted, trips, (scenario, time_s), folder)?;
+        let (mut arrived, time_loss_mean_s) = joined.arrivals;
         if found < entered {
             arrived = counters.arrived;
-            if has_trips && !died {
+            if has_trips && !broke_off {
                 notes.push(format!(
                     "SUMO's tripinfo holds {found} of {entered} vehicles: time losses are those of these"
                 ));
             }
         }
-        let totals = match statistics {
-            Some(SumoStatistics { inserted, collisions, teleports, .. }) => {
-                // A state that was loaded brings the counts of its own past along.
-                let inserted = if counters.present > 0 { entered } else { inserted };
-                SumoTotals { inserted, arrived, time_loss_mean_s, collisions, teleports }
-            }
-            None => SumoTotals {
-                inserted: counters.departed,
-                arrived,
-                time_loss_mean_s,
-                collisions: counters.collision_pairs as u64,
-                teleports: counters.teleports,
-            },
-        };
-        let edges = edge_rows(&records.roads);
-        let refused = counters.refused.len() as u64;
-        let counts = [counters.unequipped, counters.others.values().sum(), refused, counters.crept];
-        let driven: BTreeSet<usize> = records.finished.iter().map(|record| record.group).collect();
-        let rows: Vec<_> = records.finished.iter().map(|record| row(record, &mut trips, scenario, time_s)).collect();
-        let quality = records.finished.iter().zip(&rows).map(|(record, row)| quality_row(record, row)).collect();
-        notes.extend(unmatched(scenario, &driven, &rows));
-        Self { rows, quality, edges, totals, counts, notes, failed: broken.map(RunError::Outputs).or(nobody) }
+        let totals = totals(statistics, counters, arrived, time_loss_mean_s);
+        let others: u64 = counters.others.values().sum();
+        let counts = [counters.unequipped, others, counters.refused.count, counters.crept];
+        notes.extend(idle(scenario, noted));
+        notes.extend(untraced(noted, scenario, time_s)?);
+        let mut tally = Tally::new(folder);
+        joined.rows().try_for_each(|row| tally.add(&row?))?;
+        let (tallied, edges) = (tally.finish()?, edge_rows(&records.roads));
+        Ok(Self { joined, tallied, edges, totals, counts, notes, failed: broken.map(RunError::Outputs).or(nobody) })
     }
 }
 
-/// Of a vehicle whose body led, SUMO has the time loss against the speed factor that it was given meanwhile.
-fn take_own_time_losses(finished: &[Finished], trips: &mut Trips) {
-    let mut earlier: HashMap<&str, usize> = HashMap::new();
-    for record in finished {
-        let nth = earlier.entry(&record.id).or_default();
-        let trip = trips.by_id.get_mut(&*record.id).and_then(|trips| trips.get_mut(*nth));
-        if let (Some(time_loss_s), Some(trip)) = (record.time_loss_s, trip) {
-            trip.time_loss_s = time_loss_s;
+/// The totals of the whole traffic.
+fn totals(
+    statistics: Option<SumoStatistics>,
+    counters: &Counters,
+    arrived: u64,
+    time_loss_mean_s: Option<f64>,
+) -> SumoTotals {
+    match statistics {
+        Some(SumoStatistics { inserted, collisions, teleports, .. }) => {
+            // A state that was loaded brings the counts of its own past along.
+            let inserted = if counters.present > 0 { counters.present + counters.departed } else { inserted };
+            SumoTotals { inserted, arrived, time_loss_mean_s, collisions, teleports }
         }
-        *nth += 1;
+        None => SumoTotals {
+            inserted: counters.departed,
+            arrived,
+            time_loss_mean_s,
+            collisions: counters.collision_pairs as u64,
+            teleports: counters.teleports,
+        },
     }
-}
-
-/// The drive quality of an ego, beside its row.
-pub(super) fn quality_row(record: &Finished, row: &VehicleRow) -> QualityRow {
-    let (id, depart) = (row.id.clone(), row.depart);
-    QualityRow { id, depart, quality: record.quality, string_gain: record.string_gain }
-}
-
-/// The row of an ego as far as it is known while SUMO runs.
-pub(super) fn first_row(record: &Finished, scenario: &Scenario, time_s: f64) -> VehicleRow {
-    row(record, &mut Trips::default(), scenario, time_s)
-}
-
-/// The row of an ego. An id that was used twice takes its trips one after the other.
-fn row(record: &Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) -> VehicleRow {
-    let trip = trips.by_id.get_mut(&*record.id).and_then(|trips| trips.pop_front());
-    let group = &scenario.groups[record.group];
-    let depart = milliseconds(trip.as_ref().map_or(record.depart_s, |t| t.depart_s));
-    let reason = match (record.reason, trip.as_ref().and_then(|t| t.taken_out.as_deref())) {
-        // TraCI calls all of them arrived.
-        (Reason::Arrived, Some("collision")) => Reason::Collided,
-        (Reason::Arrived, Some("teleport")) => Reason::TeleportedOut,
-        (Reason::Arrived, Some(_)) => Reason::Removed,
-        (reason, _) => reason,
-    };
-    let ended = trip.as_ref().and_then(|t| t.arrival_s).or(record.arrival_s);
-    let arrival = ended.filter(|_| reason != Reason::Removed && reason != Reason::Collided).map(milliseconds);
-    VehicleRow {
-        id: record.id.to_string(),
-        vehicle_type: record.type_id.as_str().into(),
-        controller: group.controller.name(),
-        target: group.target.name(),
-        depart,
-        arrival,
-        duration: Some(milliseconds(ended.unwrap_or(end_s) - depart)),
-        timeloss: trip.map(|t| t.time_loss_s).or(record.time_loss_s),
-        distance: Some(record.distance_m),
-        stats: record.stats,
-        odometer_gap: record.odometer_gap_m,
-        collisions: u64::from(record.collisions),
-        reason,
-    }
-}
-
-/// SUMO's times are whole milliseconds; sums of steps are that but for rounding.
-fn milliseconds(time_s: f64) -> f64 {
-    (time_s * 1000.0).round() / 1000.0
 }
 
 /// Why there are no egos.
@@ -157,33 +132,44 @@ fn no_egos(scenario: &Scenario, counters: &Counters) -> String {
     let others: u64 = counters.others.values().sum();
     format!(
         "{} vehicles departed; egos.select = \"{}\" and the groups leave {} of them to SUMO, {others} have no four wheels, {} cannot be egos",
-        counters.departed,
-        scenario.egos,
-        counters.unequipped,
-        counters.refused.len()
+        counters.departed, scenario.egos, counters.unequipped, counters.refused.count
     )
 }
 
-/// Groups and ids of the trace that came to nothing, unless it was told at the start.
-fn unmatched(scenario: &Scenario, driven: &BTreeSet<usize>, rows: &[VehicleRow]) -> Vec<String> {
+/// Groups that came to nothing, unless it was told at the start.
+fn idle(scenario: &Scenario, noted: &Noted) -> Vec<String> {
     // The last group takes what the others leave.
     let own = scenario.groups.iter().enumerate().take(scenario.groups.len() - 1);
-    let idle = own.filter(|(index, _)| !driven.contains(index));
+    let idle = own.filter(|(index, _)| !noted.groups.contains(index));
     let idle = idle.map(|(index, group)| (format!("group.{index}.select"), group.select.to_string()));
     let idle = idle.filter(|(key, _)| !scenario.notes.iter().any(|note| note.starts_with(key.as_str())));
-    let mut notes: Vec<_> = idle.map(|(key, select)| format!("{key} = \"{select}\" matched no vehicle")).collect();
-    if let Trace::Ids(ids) = &scenario.output.trace {
-        for id in ids.iter().filter(|id| rows.iter().all(|row| row.id != **id)) {
-            let near = nearest(id, rows.iter().map(|row| row.id.as_str()));
-            let near = near.map(|near| format!("; did you mean {near}?")).unwrap_or_default();
-            notes.push(format!("output.trace: {id} matched no vehicle{near}"));
-        }
+    idle.map(|(key, select)| format!("{key} = \"{select}\" matched no vehicle")).collect()
+}
+
+/// Ids of the trace that came to nothing.
+fn untraced(noted: &Noted, scenario: &Scenario, time_s: f64) -> Result<Vec<String>, OutputError> {
+    let Trace::Ids(ids) = &scenario.output.trace else { return Ok(Vec::new()) };
+    let mut near: Vec<(&String, Option<String>)> =
+        ids.iter().filter(|id| noted.untraced.contains(*id)).map(|id| (id, None)).collect();
+    if near.is_empty() {
+        return Ok(Vec::new());
     }
-    notes
+    noted.each(scenario, time_s, |[vehicle, _]| {
+        for (id, near) in &mut near {
+            let known = near.take();
+            *near = nearest(id, known.as_deref().into_iter().chain([vehicle[0].as_str()])).map(str::to_owned);
+        }
+        Ok(())
+    })?;
+    let note = |(id, near): (&String, Option<String>)| {
+        let near = near.map(|near| format!("; did you mean {near}?")).unwrap_or_default();
+        format!("output.trace: {id} matched no vehicle{near}")
+    };
+    Ok(near.into_iter().map(note).collect())
 }
 
 /// What the user should be told about the traffic.
-fn notes(counters: &Counters, egos: usize) -> Vec<String> {
+fn notes(counters: &Counters, egos: u64) -> Vec<String> {
     let mut notes = Vec::new();
     if !counters.others.is_empty() {
         let list: Vec<String> = counters.others.iter().map(|(class, count)| format!("{count} {class}")).collect();
@@ -206,13 +192,13 @@ fn notes(counters: &Counters, egos: usize) -> Vec<String> {
             given[1]
         ));
     }
-    if let Some((id, reason)) = counters.refused.first() {
-        notes.push(format!("{} vehicles cannot be egos; the first, \"{id}\": {reason}", counters.refused.len()));
+    if let Some(first) = &counters.refused.first {
+        notes.push(format!("{} vehicles cannot be egos; the first, {first}", counters.refused.count));
     }
-    if let Some(first) = counters.odd_masses.first() {
+    if let Some(first) = &counters.odd_masses.first {
         notes.push(format!(
             "{} egos have less than half or more than twice the mass of their kind; the first, {first} (vehicle.mass_factor is relative)",
-            counters.odd_masses.len()
+            counters.odd_masses.count
         ));
     }
     notes

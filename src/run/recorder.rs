@@ -2,27 +2,25 @@
 //! edges).
 
 use super::error::RunError;
-use super::outcome::{Outcome, first_row, quality_row};
+use super::noted::Noted;
+use super::outcome::Outcome;
 use super::result_dir::{ResultDir, SCHEMA};
-use super::rows::{
-    EDGES, PlaceColumns, QUALITY, QualityRow, SampleRow, TRACE, TraceRow, VEHICLES, VehicleRow, sort_by_departure,
-};
+use super::rows::{EDGES, PlaceColumns, SampleRow, TRACE, TraceRow};
 use super::sampler::{SAMPLED, Sampler};
 use super::schema::Schema;
 use crate::cosim::{Ego, Place, World};
 use crate::fleet::Snapshot;
 use crate::fleet::block::Block;
-use crate::output::{Journal, OutputError, Table, write_table};
+use crate::output::{OutputError, Table, write_table};
 use crate::scenario::{Scenario, Trace, TraceRows};
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Open files.
 pub struct Recorder {
-    vehicles: Journal<VehicleRow>,
-    quality: Option<Journal<QualityRow>>,
-    /// The records that are in the journals.
-    noted: usize,
+    /// The rows of vehicles that have left.
+    pub noted: Noted,
+    schema: Schema,
     trace: Option<Table<'static, TraceRow>>,
     sampler: Sampler,
     sample_every: u64,
@@ -39,17 +37,17 @@ impl Recorder {
             _ => Some(Table::create(&dir.file(&output.trace_file), &TRACE)?),
         };
         let trace_file = trace.is_some().then_some(output.trace_file.as_str());
-        dir.write(SCHEMA, &Schema::of_run(&output.vehicles, output.quality, trace_file))?;
-        let vehicles = Journal::create(&dir.file(&output.vehicles), &VEHICLES)?;
-        let quality = output.quality.then(|| Journal::create(&dir.file("quality.csv"), &QUALITY)).transpose()?;
+        let schema = Schema::of_run(&output.vehicles, output.quality, trace_file);
+        dir.write(SCHEMA, &schema)?;
+        let noted = Noted::create(scenario, dir)?;
         let sampler = Sampler::create(&dir.file("sample.csv"), scenario.sumo.seed, SAMPLED)?;
-        Ok(Self { vehicles, quality, noted: 0, trace, sampler, sample_every: steps(1.0), step: 0 })
+        Ok(Self { noted, schema, trace, sampler, sample_every: steps(1.0), step: 0 })
     }
 
     /// Takes down the step that was just made.
     pub async fn step(&mut self, world: &mut World, scenario: &Scenario) -> Result<(), RunError> {
         self.step += 1;
-        self.note_finished(world, scenario)?;
+        self.noted.note(world.take_finished(), scenario, world.time_s())?;
         for id in world.take_admitted() {
             self.sampler.depart(&id);
         }
@@ -72,22 +70,6 @@ impl Recorder {
         Ok(())
     }
 
-    /// Rows of vehicles that have left in this step: whatever happens now, they are kept.
-    fn note_finished(&mut self, world: &World, scenario: &Scenario) -> Result<(), RunError> {
-        let finished = &world.records().finished;
-        let new = finished.get(self.noted..).unwrap_or_default();
-        self.noted = finished.len();
-        if new.is_empty() {
-            return Ok(());
-        }
-        let rows: Vec<_> = new.iter().map(|record| first_row(record, scenario, world.time_s())).collect();
-        self.vehicles.append(&rows)?;
-        if let Some(quality) = &mut self.quality {
-            quality.append(&new.iter().zip(&rows).map(|(record, row)| quality_row(record, row)).collect::<Vec<_>>())?;
-        }
-        Ok(())
-    }
-
     /// The places of the egos that get a row now.
     async fn places(&self, world: &mut World, samples: bool) -> Result<HashMap<Arc<str>, Place>, RunError> {
         let (who, rows) = world.trace().clone();
@@ -100,14 +82,9 @@ impl Recorder {
     }
 
     /// Completes all tables that can be completed; the first error is the one to tell.
-    pub fn finish(self, dir: &ResultDir, outcome: &mut Outcome) -> Result<(), RunError> {
-        sort_by_departure(&mut outcome.rows, |row| (row.depart, &row.id));
-        sort_by_departure(&mut outcome.quality, |row| (row.depart, &row.id));
-        let Self { vehicles, quality, trace, sampler, .. } = self;
-        let whole = || {
-            vehicles.finish(&outcome.rows)?;
-            quality.as_ref().map_or(Ok(()), |quality| quality.finish(&outcome.quality).map(drop))
-        };
+    pub fn finish(self, dir: &ResultDir, outcome: &Outcome) -> Result<(), RunError> {
+        let Self { noted, schema, trace, sampler, .. } = self;
+        let whole = || noted.finish(|| outcome.joined.rows());
         let (whole, sample) = match whole() {
             Ok(()) => (Ok(()), sampler.finish().map(drop)),
             // Where the disk is full, what the sampler holds of it is better used for these.
@@ -121,7 +98,9 @@ impl Recorder {
         };
         let edges = write_table(&dir.file("edges.csv"), &EDGES, &outcome.edges);
         let trace = trace.map_or(Ok(()), |trace| trace.finish().map(drop));
-        whole.and(edges.map(drop)).and(trace).and(sample)?;
+        // Whoever has deleted the folder has deleted this, too.
+        let schema = if dir.file(SCHEMA).is_file() { Ok(()) } else { dir.write(SCHEMA, &schema).map(drop) };
+        whole.and(edges.map(drop)).and(trace).and(sample).and(schema)?;
         Ok(())
     }
 }

@@ -84,9 +84,10 @@ fn table(path: &Path, shape: &Shape) -> Result<usize, RunError> {
         let time = |row: &Vec<String>| layout.cell(row, depart).number().unwrap_or(f64::INFINITY);
         time(a).total_cmp(&time(b)).then_with(|| a[id].cmp(&b[id]))
     });
-    write_over(path, &layout, &rows)?;
+    let count = rows.len();
+    write_over(path, &layout, rows.into_iter().map(Ok))?;
     let _ = std::fs::remove_file(whole_of(path));
-    Ok(rows.len())
+    Ok(count)
 }
 
 /// Cuts a file behind its last line break.

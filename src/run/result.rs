@@ -2,13 +2,13 @@
 
 use super::error::RunError;
 use super::manifest::{Input, Manifest};
-use super::outcome::Outcome;
+use super::outcome::{Ended, Outcome};
 use super::profile::Profile;
 use super::recorder::Recorder;
-use super::result_dir::{ResultDir, SUMMARY};
-use super::rows::{QualityRow, VehicleRow};
+use super::result_dir::{ResultDir, SUMMARY, Standing};
 use super::signals::Signal;
 use super::summary::Summary;
+use super::tally::Remarkable;
 use crate::cosim::Records;
 use crate::output::{OutputError, part_of};
 use crate::scenario::Scenario;
@@ -22,12 +22,10 @@ use std::time::Instant;
 pub struct RunResult {
     /// Its folder.
     pub dir: PathBuf,
-    /// One row per ego that departed.
-    pub rows: Vec<VehicleRow>,
-    /// Their drive quality, in the same order.
-    pub quality: Vec<QualityRow>,
-    /// Summary of the fleet.
+    /// Summary of the fleet. The rows are in the tables of the folder: memory does not grow with their number.
     pub summary: Summary,
+    /// Egos that are worth a word.
+    pub remarkable: Remarkable,
     /// Files written, relative to the folder.
     pub files: Vec<String>,
     /// What the user should be told.
@@ -67,20 +65,23 @@ pub(super) struct ResultWriter {
     pub sumo_has_ended: bool,
     command: SumoCommand,
     started: Instant,
+    /// The folders of the result.
+    folders: [Standing; 2],
 }
 
 impl ResultWriter {
     /// Makes the folder, and notes in it what is run.
     pub fn create(scenario: &Scenario, out_dir: &Path, force: bool) -> Result<Self, RunError> {
         let dir = ResultDir::create(out_dir, force)?;
-        dir.sumo()?;
+        let folders = [Standing::of(dir.path())?, Standing::of(&dir.sumo()?)?];
         let command = sumo_arguments(&scenario.sumo, dir.path())?;
         let inputs = scenario.inputs.iter().map(|path| Input::of(path)).collect::<Result<_, _>>()?;
         let mut manifest = Manifest::new(scenario.sumo.seed, scenario.to_toml(), inputs);
         manifest.notes = scenario.notes.clone();
         dir.write_manifest(&manifest)?;
         let (scenario, started) = (scenario.clone(), Instant::now());
-        Ok(Self { scenario, dir, manifest, command, recorder: None, notes: Vec::new(), sumo_has_ended: false, started })
+        let (recorder, notes) = (None, Vec::new());
+        Ok(Self { scenario, dir, manifest, command, recorder, notes, sumo_has_ended: false, started, folders })
     }
 
     /// The arguments for SUMO, noted in the manifest with its path.
@@ -145,37 +146,57 @@ impl ResultWriter {
         times_s: [f64; 2],
         incomplete: Option<String>,
     ) -> Result<RunResult, RunError> {
-        self.write_files(records, times_s, incomplete.clone()).inspect_err(|error| {
+        let written = self.write_files(records, times_s, incomplete.clone());
+        // A folder that is not there explains all else.
+        let deleted = || self.deleted().filter(|_| incomplete.is_none());
+        let written = match written {
+            Ok(written) => deleted().map_or(Ok(written), Err),
+            Err(error) => Err(deleted().unwrap_or(error)),
+        };
+        written.inspect_err(|error| {
             let _ = self.dir.finish(&mut self.manifest, Some(incomplete.unwrap_or_else(|| error.to_string())));
         })
     }
 
+    /// Set if a folder of the result has been deleted. What SUMO has open goes with it.
+    fn deleted(&self) -> Option<RunError> {
+        self.folders.iter().find_map(Standing::deleted).map(|path| RunError::Deleted(path.to_owned()))
+    }
+
     fn write_files(
         &mut self,
-        records: Records,
+        mut records: Records,
         [begin_s, time_s]: [f64; 2],
         incomplete: Option<String>,
     ) -> Result<RunResult, RunError> {
-        let recorder = self.recorder.take().ok_or(RunError::Ended)?;
-        let own_sumo = self.sumo_has_ended.then_some(&self.command);
-        let mut outcome = Outcome::new(&self.scenario, records, time_s, own_sumo, incomplete.is_some());
+        let mut recorder = self.recorder.take().ok_or(RunError::Ended)?;
+        recorder.noted.note_rest(std::mem::take(&mut records.finished));
+        let ended = Ended {
+            scenario: &self.scenario,
+            time_s,
+            own_sumo: self.sumo_has_ended.then_some(&self.command),
+            broke_off: incomplete.is_some(),
+            folder: self.dir.path(),
+        };
+        let mut outcome = Outcome::new(&ended, &recorder.noted, records)?;
         self.notes.append(&mut outcome.notes);
         self.manifest.notes.extend(self.notes.iter().cloned());
         let times_s = [time_s - begin_s, self.started.elapsed().as_secs_f64()];
-        let summary = Summary::new((&outcome.rows, &outcome.quality), outcome.counts, outcome.totals, times_s);
-        let tables = recorder.finish(&self.dir, &mut outcome);
+        let remarkable = outcome.tallied.remarkable.clone();
+        let summary = Summary::new(std::mem::take(&mut outcome.tallied), outcome.counts, outcome.totals, times_s);
+        let tables = recorder.finish(&self.dir, &outcome);
         self.dir.write(SUMMARY, &summary)?;
         tables?;
-        if let (None, Some(failed)) = (&incomplete, outcome.failed) {
+        let failed = self.deleted().or(outcome.failed);
+        if let (None, Some(failed)) = (&incomplete, failed) {
             self.dir.finish(&mut self.manifest, Some(failed.to_string()))?;
             return Err(failed);
         }
         self.dir.finish(&mut self.manifest, incomplete)?;
         Ok(RunResult {
             dir: self.dir.path().to_owned(),
-            rows: outcome.rows,
-            quality: outcome.quality,
             summary,
+            remarkable,
             files: self.manifest.files.clone(),
             notes: self.notes.clone(),
             interrupted: None,

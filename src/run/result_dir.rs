@@ -5,6 +5,7 @@ use super::manifest::{Manifest, Status};
 use crate::output::{FORMATS, OutputError, file_error, part_of, whole_of, write_json};
 use serde::Serialize;
 use std::fs::{File, TryLockError};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Component, Path, PathBuf};
 
 /// The tables that a run may write, without suffix.
@@ -165,6 +166,33 @@ impl ResultDir {
     }
 }
 
+/// A folder that must stay where it is.
+#[derive(Debug)]
+pub struct Standing {
+    path: PathBuf,
+    device_and_inode: (u64, u64),
+}
+
+impl Standing {
+    /// The folder at `path` as it is now.
+    ///
+    /// # Errors
+    /// [`OutputError::File`] if there is none.
+    pub fn of(path: &Path) -> Result<Self, OutputError> {
+        let device_and_inode = identity(path).map_err(file_error("read", path))?;
+        Ok(Self { path: path.to_owned(), device_and_inode })
+    }
+
+    /// The folder, if it is there no more, or is another one by now.
+    pub fn deleted(&self) -> Option<&Path> {
+        (identity(&self.path).ok() != Some(self.device_and_inode)).then_some(&*self.path)
+    }
+}
+
+fn identity(path: &Path) -> std::io::Result<(u64, u64)> {
+    path.metadata().map(|folder| (folder.dev(), folder.ino()))
+}
+
 /// The files that this program writes into a result, `sumo/` apart.
 fn own_names() -> impl Iterator<Item = String> {
     let tables = TABLES.into_iter().flat_map(|table| FORMATS.iter().map(move |f| format!("{table}.{}", f.name)));
@@ -257,6 +285,21 @@ mod tests {
         assert!(matches!(ResultDir::create(folder.path(), true), Err(RunError::Busy { .. })));
         drop(first);
         ResultDir::create(folder.path(), false).unwrap();
+    }
+
+    #[test]
+    fn a_folder_of_the_same_name_is_another_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result");
+        std::fs::create_dir(&path).unwrap();
+        let standing = Standing::of(&path).unwrap();
+        assert_eq!(standing.deleted(), None);
+        // It goes, but its number is not free.
+        let moved = folder.path().join("moved");
+        std::fs::rename(&path, &moved).unwrap();
+        assert_eq!(standing.deleted(), Some(&*path));
+        std::fs::create_dir(&path).unwrap();
+        assert_eq!(standing.deleted(), Some(&*path));
     }
 
     #[test]

@@ -54,12 +54,9 @@ record! {
     }
 }
 
-/// Orders rows as the files have them: by departure, then id. Vehicles finish in another order.
-pub fn sort_by_departure<R>(rows: &mut [R], key: impl Fn(&R) -> (f64, &str)) {
-    rows.sort_by(|a, b| {
-        let ((depart_a, id_a), (depart_b, id_b)) = (key(a), key(b));
-        depart_a.total_cmp(&depart_b).then_with(|| id_a.cmp(id_b))
-    });
+/// SUMO's times are whole milliseconds; sums of steps are that but for rounding.
+pub fn milliseconds(time_s: f64) -> f64 {
+    (time_s * 1000.0).round() / 1000.0
 }
 
 record! {

@@ -166,9 +166,10 @@ impl Session {
             ));
         }
         let profile = self.profiler.profile(&self.world);
+        let mut stopped = std::pin::pin!(stopped);
         let handed_back = tokio::select! {
             done = self.world.hand_back() => done.map_err(RunError::from),
-            signal = stopped => return Err(self.break_off(RunError::Interrupted(signal))),
+            signal = &mut stopped => return Err(self.break_off(RunError::Interrupted(signal))),
         };
         if let Err(error) = handed_back {
             let error = explain(error, &mut self.process).await;
@@ -177,21 +178,10 @@ impl Session {
         let Self { world, process, mut result, begin_s, .. } = self;
         let time_s = world.time_s();
         let (records, left) = world.close().await;
-        let ended = match process {
-            Some(process) if result.scenario.sumo.num_clients > 1 => {
-                let others = process.leave(OTHERS).await;
-                if others.is_none() {
-                    result
-                        .notes
-                        .push("SUMO goes on for its other clients; its own outputs are not there yet".to_owned());
-                }
-                others.map_or(Ok(()), |status| result.sumo_ended(status))
-            }
-            Some(process) => match process.shut_down(LAST_OUTPUTS).await {
-                Ok(status) => result.sumo_ended(status),
-                Err(error) => Err(error.into()),
-            },
-            None => Ok(()),
+        let ended = tokio::select! {
+            ended = leave(process, &mut result) => ended,
+            // Whoever has asked for the end before gets SUMO's outputs with it.
+            signal = stopped, if incomplete.is_none() => Err(RunError::Interrupted(signal)),
         };
         match left.map_err(RunError::from).and(ended) {
             Ok(()) => Ok(RunResult { profile, ..result.write(records, [begin_s, time_s], incomplete)? }),
@@ -231,6 +221,25 @@ impl Session {
     /// Fleet and SUMO behind the session.
     pub fn world(&self) -> &World {
         &self.world
+    }
+}
+
+/// Waits until SUMO has completed its outputs, if it is ours.
+async fn leave(process: Option<SumoProcess>, result: &mut ResultWriter) -> Result<(), RunError> {
+    let sumo = &result.scenario.sumo;
+    match process {
+        Some(process) if sumo.num_clients > 1 => {
+            let others = process.leave(OTHERS).await;
+            if others.is_none() {
+                result.notes.push("SUMO goes on for its other clients; its own outputs are not there yet".to_owned());
+            }
+            others.map_or(Ok(()), |status| result.sumo_ended(status))
+        }
+        Some(process) => {
+            let status = process.shut_down(LAST_OUTPUTS.min(Duration::from_secs_f64(sumo.timeout_s))).await?;
+            result.sumo_ended(status)
+        }
+        None => Ok(()),
     }
 }
 

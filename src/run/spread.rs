@@ -1,6 +1,7 @@
 //! A column of the fleet in five numbers.
 
 use serde::{Deserialize, Serialize};
+use std::io;
 
 /// Mean, quantiles and maximum of a set of values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -23,18 +24,37 @@ impl Spread {
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
-        let max = *values.last()?;
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let [p05, p50, p95] = [0.05, 0.5, 0.95].map(|p| quantile(&values, p));
-        Some(Self { mean, p05, p50, p95, max })
+        let (count, sorted) = (values.len(), values.into_iter().map(Ok));
+        Self::of_sorted(count, sorted).expect("numbers in memory can be read")
     }
-}
 
-fn quantile(sorted: &[f64], p: f64) -> f64 {
-    let place = p * (sorted.len() - 1) as f64;
-    let below = place.floor();
-    let (low, high) = (sorted[below as usize], sorted[(below as usize + 1).min(sorted.len() - 1)]);
-    low + (place - below) * (high - low)
+    /// The same of `count` values of which the smallest comes first, wherever they come from.
+    pub(super) fn of_sorted(count: usize, sorted: impl Iterator<Item = io::Result<f64>>) -> io::Result<Option<Self>> {
+        if count == 0 {
+            return Ok(None);
+        }
+        let places = [0.05, 0.5, 0.95].map(|p| p * (count - 1) as f64);
+        // Its neighbours below and above.
+        let mut around = [[0.0; 2]; 3];
+        let (mut sum, mut max) = (-0.0, 0.0);
+        for (index, value) in sorted.enumerate() {
+            let value = value?;
+            sum += value;
+            max = value;
+            for (place, around) in places.iter().zip(&mut around) {
+                let below = place.floor() as usize;
+                if index == below {
+                    *around = [value; 2];
+                } else if index == below + 1 {
+                    around[1] = value;
+                }
+            }
+        }
+        let quantile = |(place, [low, high]): (&f64, [f64; 2])| low + (place - place.floor()) * (high - low);
+        let quantiles: Vec<f64> = places.iter().zip(around).map(quantile).collect();
+        let mean = sum / count as f64;
+        Ok(Some(Self { mean, p05: quantiles[0], p50: quantiles[1], p95: quantiles[2], max }))
+    }
 }
 
 #[cfg(test)]

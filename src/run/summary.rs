@@ -1,9 +1,10 @@
 //! `summary.json` and the words that a run ends with.
 
-use super::rows::{QUALITY, QualityRow, VEHICLES, VehicleRow};
+use super::rows::{QUALITY, VEHICLES};
 use super::spread::Spread;
+use super::tally::{Remarkable, Tallied};
 use crate::cosim::Reason;
-use crate::table::{Cell, Column, Kind, Layout, record};
+use crate::table::{Column, Kind, Layout, record};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -47,33 +48,24 @@ pub struct Summary {
 
 impl Summary {
     /// Sums up a run; `counted` is in the order of `COUNTS`; times are the simulated and the real one.
-    pub fn new(
-        (rows, quality): (&[VehicleRow], &[QualityRow]),
+    pub(super) fn new(
+        rows: Tallied,
         counted: [u64; COUNTS.len()],
         sumo: SumoTotals,
         [simulated_s, wall_s]: [f64; 2],
     ) -> Self {
-        let mut counts = BTreeMap::from([("vehicles".to_owned(), rows.len() as u64)]);
-        for reason in Reason::ALL {
-            let count = rows.iter().filter(|r| r.reason == reason).count();
-            counts.insert(reason.as_str().to_owned(), count as u64);
-        }
+        let mut counts = BTreeMap::from([("vehicles".to_owned(), rows.vehicles)]);
+        let of_reason = |reason: Reason| rows.reasons.get(reason.as_str()).copied().unwrap_or(0);
+        counts.extend(Reason::ALL.map(|reason| (reason.as_str().to_owned(), of_reason(reason))));
         counts.extend(COUNTS.iter().zip(counted).map(|((name, _), count)| ((*name).to_owned(), count)));
-        let fleet = spreads(&VEHICLES, rows).chain(spreads(&QUALITY, quality)).collect();
         let real_time_factor = (wall_s > 0.0).then(|| simulated_s / wall_s);
-        Self { schema: 1, counts, sumo, fleet, wall_s, real_time_factor }
+        Self { schema: 1, counts, sumo, fleet: rows.fleet, wall_s, real_time_factor }
     }
 
     /// A count, 0 if it was not made.
     pub fn count(&self, name: &str) -> u64 {
         self.counts.get(name).copied().unwrap_or(0)
     }
-}
-
-/// The spreads of the columns of a table that have any.
-fn spreads<'r, R: 'static>(layout: &'r Layout<R>, rows: &'r [R]) -> impl Iterator<Item = (String, Spread)> {
-    let columns = layout.values(rows).filter(|(column, _)| column.in_summary);
-    columns.filter_map(|(column, cells)| Some((column.name.clone(), Spread::of(cells.filter_map(Cell::number))?)))
 }
 
 /// The fields of `summary.json`, as `schema.json` shows them.
@@ -101,20 +93,8 @@ pub(super) fn summary_fields() -> Vec<Column> {
         .collect()
 }
 
-/// As many vehicles are named as worth a look.
-const NAMED: usize = 3;
-
-/// The vehicles with the largest errors, the largest first.
-fn worst(rows: &[VehicleRow]) -> Option<String> {
-    let mut errors: Vec<(f64, &str)> =
-        rows.iter().filter_map(|row| Some((row.stats.error_rms.filter(|rms| *rms > 0.0)?, row.id.as_str()))).collect();
-    errors.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    let named: Vec<String> = errors.iter().take(NAMED).map(|(rms, id)| format!("{id} {rms:.3}")).collect();
-    (!named.is_empty()).then(|| format!("{} m/s error RMS", named.join(", ")))
-}
-
 /// What `run` says at its end, what matters first: at most ten lines, a line break after each.
-pub fn terminal_text(summary: &Summary, rows: &[VehicleRow], dir: &Path, files: &[String]) -> String {
+pub fn terminal_text(summary: &Summary, remarkable: &Remarkable, dir: &Path, files: &[String]) -> String {
     let mut lines = Vec::new();
     let reasons = Reason::ALL.map(|r| (summary.count(r.as_str()), r.as_str().replace('_', " ")));
     let reasons: Vec<_> = reasons.iter().filter(|(n, _)| *n > 0).map(|(n, reason)| format!("{n} {reason}")).collect();
@@ -132,14 +112,14 @@ pub fn terminal_text(summary: &Summary, rows: &[VehicleRow], dir: &Path, files: 
     let sumo = &summary.sumo;
     let loss = sumo.time_loss_mean_s.map(|s| format!(", mean time loss {s:.1} s")).unwrap_or_default();
     lines.push(("SUMO", format!("{} inserted, {} arrived{loss}", sumo.inserted, sumo.arrived)));
-    let clamped = rows.iter().filter(|r| r.stats.clamped_steps > 0).count();
-    let clamps: u64 = rows.iter().map(|r| r.stats.clamped_steps).sum();
+    let Remarkable { clamped, clamped_steps: clamps, worst } = remarkable;
     lines.push(("clamps", format!("{clamps} steps in {clamped} of {vehicles} vehicles")));
     lines.push(("collisions", format!("{}, teleports {}", sumo.collisions, sumo.teleports)));
     let factor = summary.real_time_factor.map(|f| format!("{f:.1} x real time, ")).unwrap_or_default();
     lines.push(("speed", format!("{factor}{:.1} s", summary.wall_s)));
-    if let Some(worst) = worst(rows) {
-        lines.push(("worst", worst));
+    if !worst.is_empty() {
+        let named: Vec<String> = worst.iter().map(|(id, rms)| format!("{id} {rms:.3}")).collect();
+        lines.push(("worst", format!("{} m/s error RMS", named.join(", "))));
     }
     let (sumo_files, own): (Vec<_>, Vec<_>) = files.iter().partition(|f| f.starts_with("sumo/"));
     let mut written: Vec<&str> = own.into_iter().map(String::as_str).collect();
@@ -153,9 +133,11 @@ pub fn terminal_text(summary: &Summary, rows: &[VehicleRow], dir: &Path, files: 
 #[cfg(test)]
 mod tests {
     use super::super::rows::tests::vehicle;
+    use super::super::tally::Tally;
     use super::*;
+    use crate::output::texts;
 
-    fn summary() -> (Vec<VehicleRow>, Summary) {
+    fn summary() -> (Remarkable, Summary) {
         let mut rows: Vec<_> = (0..5).map(|i| vehicle(&i.to_string(), f64::from(i))).collect();
         for (i, row) in rows.iter_mut().enumerate() {
             row.stats.error_rms = (i > 0).then_some(i as f64 / 10.0);
@@ -163,8 +145,11 @@ mod tests {
         rows[4].reason = Reason::Running;
         rows[4].stats.clamped_steps = 7;
         let totals = SumoTotals { inserted: 6, arrived: 4, time_loss_mean_s: Some(12.5), collisions: 1, teleports: 2 };
-        let summary = Summary::new((&rows, &[]), [0; 4], totals, [600.0, 20.0]);
-        (rows, summary)
+        let mut tally = Tally::new(Path::new("/nowhere"));
+        let quality = vec![String::new(); QUALITY.shape.columns.len()];
+        rows.iter().for_each(|row| tally.add(&[texts(&VEHICLES, row), quality.clone()]).unwrap());
+        let rows = tally.finish().unwrap();
+        (rows.remarkable.clone(), Summary::new(rows, [0; 4], totals, [600.0, 20.0]))
     }
 
     #[test]
@@ -194,9 +179,9 @@ mod tests {
 
     #[test]
     fn the_terminal_text_names_what_was_promised() {
-        let (rows, summary) = summary();
+        let (remarkable, summary) = summary();
         let files = ["run.json", "sumo/log.txt", "vehicles.csv"].map(str::to_owned);
-        let text = terminal_text(&summary, &rows, Path::new("out/city-adaptive-42"), &files);
+        let text = terminal_text(&summary, &remarkable, Path::new("out/city-adaptive-42"), &files);
         insta::assert_snapshot!(text, @r"
         vehicles       5, 4 arrived, 1 running
         error RMS      p50 0.250, p95 0.385 m/s
@@ -213,8 +198,8 @@ mod tests {
 
     #[test]
     fn a_run_without_egos_still_has_an_end() {
-        let summary = Summary::new((&[], &[]), [0; 4], SumoTotals::default(), [0.0; 2]);
-        let text = terminal_text(&summary, &[], Path::new("out"), &[]);
+        let summary = Summary::new(Tallied::default(), [0; 4], SumoTotals::default(), [0.0; 2]);
+        let text = terminal_text(&summary, &Remarkable::default(), Path::new("out"), &[]);
         assert!(text.starts_with("vehicles       0\n") && text.contains("no samples"), "{text}");
     }
 }

@@ -12,6 +12,9 @@ use crate::output::{write_json, write_table};
 use crate::run::{FileSchema, Schema};
 use crate::table::{Cell, Column, Columns, Field, Kind, Layout, record};
 use rayon::prelude::*;
+use std::fs::{File, TryLockError};
+use std::path::Path;
+use std::time::Duration;
 
 record! {
     /// A case in front of its metrics.
@@ -54,6 +57,48 @@ pub struct Tables {
     /// Cases that are done, failed, missing.
     pub counts: [usize; 3],
 }
+
+/// How long to wait for another call that writes the same tables.
+const OTHERS: Duration = Duration::from_secs(60);
+
+/// The tables of a study, and its page, are written by one call at a time: that with this value.
+#[derive(Debug)]
+pub struct Turn {
+    /// The folder, locked; the system lets go of it even if the process is killed.
+    _lock: Option<File>,
+}
+
+impl Turn {
+    /// Waits until no other call writes the tables in this folder. On systems where a folder cannot be locked, does
+    /// without.
+    ///
+    /// # Errors
+    /// [`StudyError::Collecting`] if another one takes longer than a minute.
+    pub fn wait(dir: &Path) -> Result<Self, StudyError> {
+        Self::wait_for(dir, OTHERS)
+    }
+
+    fn wait_for(dir: &Path, limit: Duration) -> Result<Self, StudyError> {
+        let Ok(folder) = File::open(dir) else { return Ok(Self { _lock: None }) };
+        let mut left = limit;
+        loop {
+            match folder.try_lock() {
+                Ok(()) => return Ok(Self { _lock: Some(folder) }),
+                Err(TryLockError::Error(_)) => return Ok(Self { _lock: None }),
+                Err(TryLockError::WouldBlock) if left.is_zero() => {
+                    return Err(StudyError::Collecting { dir: dir.to_owned() });
+                }
+                Err(TryLockError::WouldBlock) => {
+                    std::thread::sleep(LOOK);
+                    left = left.saturating_sub(LOOK);
+                }
+            }
+        }
+    }
+}
+
+/// How often to look whether it is our turn.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// Reads all cases, and writes `vehicles.parquet` meanwhile. At any time only the vehicles of one seed are in memory.
 ///
@@ -129,4 +174,25 @@ pub fn study_schema(keys: &[String], has: impl Fn(&str) -> bool) -> Schema {
         ("slurm/", file("What was submitted to a cluster, and the logs of its tasks").when("with `--executor slurm`")),
     ];
     Schema::new(files.into_iter().chain(some.into_iter().filter(|(name, _)| has(name))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_written_by_one_at_a_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Turn::wait(folder.path()).unwrap();
+        let refused = Turn::wait_for(folder.path(), 2 * LOOK).unwrap_err().to_string();
+        assert!(refused.contains("another call is writing the tables") && refused.contains("try again"), "{refused}");
+        std::thread::scope(|scope| {
+            let second = scope.spawn(|| Turn::wait(folder.path()).map(drop));
+            std::thread::sleep(2 * LOOK);
+            assert!(!second.is_finished());
+            drop(first);
+            second.join().unwrap().unwrap();
+        });
+        assert!(Turn::wait(&folder.path().join("none")).is_ok(), "what is not there is made later");
+    }
 }

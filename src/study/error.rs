@@ -70,6 +70,12 @@ pub enum StudyError {
         /// The folder.
         dir: std::path::PathBuf,
     },
+    /// Two calls write the tables of one study.
+    #[error("{}: another call is writing the tables of this study; try again when it is done", dir.display())]
+    Collecting {
+        /// The folder.
+        dir: std::path::PathBuf,
+    },
     /// No SUMO.
     #[error(transparent)]
     Traci(#[from] traci::Error),

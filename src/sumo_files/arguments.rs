@@ -64,6 +64,9 @@ pub struct SumoCommand {
 /// A file that cannot be read or written.
 pub fn sumo_arguments(setup: &SumoSetup, out_dir: &Path) -> Result<SumoCommand, SumoFileError> {
     let folder = absolute(Path::new(""), &out_dir.join("sumo"));
+    if setup.connect.is_none() && folder.to_string_lossy().contains(':') {
+        return Err(SumoFileError::Colon(folder));
+    }
     let mut redirect = Redirect::new(&folder);
     let mut options = placed(&setup.options, |name| redirect.target(&folder, name));
     let setup = &SumoSetup { options: options.clone(), ..setup.clone() };

@@ -12,7 +12,7 @@ use super::{
     include::Files,
     options::{INPUTS, objection},
     path::absolute,
-    redirect::writes_file,
+    redirect::{refuse_sockets, writes_file},
     sampling::Sampling,
     settings::Settings,
     setup::{Source, SumoSetup},
@@ -138,9 +138,13 @@ impl Demand {
     /// with it.
     fn add_read<'a>(&mut self, files: impl Iterator<Item = &'a PathBuf>) -> Result<bool, SumoFileError> {
         let mut reader = Files::default();
-        let mut traffic = false;
+        let (mut traffic, mut refused) = (false, Ok(()));
         for file in files {
             let whole = reader.each(file, &mut |file, element| {
+                refused = refuse_sockets(file, element);
+                if refused.is_err() {
+                    return ControlFlow::Break(());
+                }
                 traffic |= TRAFFIC.contains(&element.name());
                 if let ("vType", Some(types)) = (element.name(), &mut self.types) {
                     types.extend(element.attribute("id"));
@@ -156,6 +160,7 @@ impl Demand {
                 }
                 ControlFlow::Continue(())
             })?;
+            std::mem::replace(&mut refused, Ok(()))?;
             traffic |= !whole;
         }
         Ok(traffic)

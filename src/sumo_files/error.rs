@@ -28,6 +28,9 @@ pub enum SumoFileError {
         /// What the system says.
         reason: io::Error,
     },
+    /// SUMO cannot write into a folder of such a name.
+    #[error("{}: SUMO takes a path with a colon for a network address; choose another folder (-o)", .0.display())]
+    Colon(PathBuf),
     /// The configuration is not XML.
     #[error("{place}: {message}")]
     Syntax {

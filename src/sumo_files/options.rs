@@ -101,6 +101,7 @@ pub(super) fn objection(name: &str, value: &str) -> Option<&'static str> {
         Effect::Unknown if !plain => Some(
             "an option that SUMO 1.15 to 1.28 have: this one may write the file (behind -- it is the user's to give)",
         ),
+        Effect::Writes if list(value).any(is_socket) => Some(A_FILE),
         _ if name == AFFIXES[2] && value.contains(['/', '\\']) => Some("a suffix without folder"),
         _ => None,
     }
@@ -114,11 +115,21 @@ pub(super) fn list(value: &str) -> impl Iterator<Item = &str> {
     value.split([',', ';']).map(str::trim).filter(|item| !item.is_empty())
 }
 
-/// Standard streams, the void and network sockets (`host:port`).
+/// What is wanted in place of a socket.
+pub(super) const A_FILE: &str = "a file name: to an address (HOST:PORT) SUMO would send it over the network";
+
+/// Whether SUMO would send an output of this name to a socket, and not just complain of it. To SUMO any name with a colon
+/// is one, but for a drive letter (`FileHelpers::isSocket`); what has no port behind the colon becomes a file here.
+pub(super) fn is_socket(value: &str) -> bool {
+    let has_port = |(host, port): (&str, &str)| host.len() > 1 && port.trim().parse::<u16>().is_ok();
+    value.split_once(':').is_some_and(has_port)
+        || value.starts_with('[') && value.rsplit_once(':').is_some_and(has_port)
+}
+
+/// Standard streams and the void.
 pub(super) fn is_no_file(value: &str) -> bool {
-    let socket = value.rsplit_once(':').is_some_and(|(host, port)| !host.contains('/') && port.parse::<u16>().is_ok());
     let streams = ["", "-", "stdout", "STDOUT", "stderr", "STDERR", "nul", "NUL"];
-    streams.contains(&value) || ["/dev/null", "/dev/stdout", "/dev/stderr"].contains(&value) || socket
+    streams.contains(&value) || ["/dev/null", "/dev/stdout", "/dev/stderr"].contains(&value)
 }
 
 /// A time as SUMO writes it, in seconds or as `[DAYS:]HOURS:MINUTES:SECONDS` \[s\].
@@ -273,6 +284,18 @@ mod tests {
         }
         assert!(objection("save-template", "x").is_some() && objection("save-state.suffix", "/x").is_some());
         assert!(objection("fcd-output", "/a/b.xml").is_none(), "it is redirected");
+    }
+
+    #[test]
+    fn a_socket_is_what_sumo_takes_for_one() {
+        for value in ["localhost:9", "127.0.0.1:65535", "[::1]:9", "out/x:9"] {
+            assert!(is_socket(value) && objection("fcd-output", value).is_some(), "{value}");
+            assert!(objection("log", &format!("a.xml,{value}")).is_some(), "{value}");
+            assert!(objection("begin", value).is_none(), "{value} is no output");
+        }
+        for value in ["x.xml", "c:9", ":9", "a:99999", "out/12:00.xml", "a:b:9", "stdout"] {
+            assert!(!is_socket(value), "{value}");
+        }
     }
 
     #[test]

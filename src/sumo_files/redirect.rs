@@ -17,9 +17,9 @@ use quick_xml::{
 use super::{
     error::SumoFileError,
     include::Files,
-    options::{is_no_file, writes},
+    options::{A_FILE, is_no_file, is_socket, writes},
     path::absolute,
-    xml::{Item, Xml, attribute, is_xml},
+    xml::{Element, Item, Xml, attribute, is_xml},
 };
 
 /// Attributes that name a file to write, in whatever element.
@@ -61,7 +61,7 @@ impl Redirect {
 
     /// Puts a configuration's output prefix before all names to come: its last component, without the time.
     pub fn take_prefix(&mut self, prefix: &str) {
-        self.prefix = prefix.rsplit(['/', '\\']).next().unwrap_or_default().replace("TIME", "");
+        self.prefix = prefix.rsplit(['/', '\\']).next().unwrap_or_default().replace("TIME", "").replace(':', "_");
     }
 
     /// A file of our own beside the redirected ones.
@@ -172,6 +172,19 @@ pub(super) fn writes_file(element: &str, attribute: &str) -> bool {
     written && !READERS.contains(&(element, attribute))
 }
 
+/// Refuses an element that would have SUMO send something to a socket.
+pub(super) fn refuse_sockets(file: &Path, element: &Element<'_>) -> Result<(), SumoFileError> {
+    let name = element.name();
+    let param = is_output_param(name, element.parent, || element.attribute("key"));
+    let written = [WRITTEN[0], WRITTEN[1], "dest", "value"].into_iter();
+    let written = written.filter(|attribute| writes_file(name, attribute) || param && *attribute == "value");
+    let mut named = written.filter_map(|attribute| Some((attribute, element.attribute(attribute)?)));
+    let Some((attribute, found)) = named.find(|(_, value)| is_socket(value)) else { return Ok(()) };
+    let key = element.attribute("key").filter(|_| param).unwrap_or_else(|| attribute.to_owned());
+    let what = format!("{key} of {}: found {found}, wanted {A_FILE}", if param { element.parent } else { name });
+    Err(SumoFileError::Content { path: file.to_owned(), line: element.line, what })
+}
+
 /// Whether the value of a parameter names a file to write: that of a traffic light's program, or of a device of a vehicle.
 fn is_output_param(element: &str, parent: &str, key: impl FnOnce() -> Option<String>) -> bool {
     element == "param"
@@ -195,11 +208,12 @@ fn read_by(element: &str, attribute: &str, folder: &Path, value: &str) -> Result
 /// Whether a file, or one that is read with it, names files to write. All of them are read, so that what includes too
 /// much is refused.
 fn names_outputs(file: &Path) -> Result<bool, SumoFileError> {
-    let (mut found, mut files) = (false, Files::of_any_root());
+    let (mut found, mut files, mut refused) = (false, Files::of_any_root(), Ok(()));
     let mut open = vec![file.to_owned()];
     while let Some(file) = open.pop() {
         files.each(&file, &mut |file, element| {
             let name = element.name();
+            refused = refuse_sockets(file, element);
             found = found
                 || element.has_attribute(|attribute| writes_file(name, attribute))
                 || is_output_param(name, element.parent, || element.attribute("key"));
@@ -208,8 +222,9 @@ fn names_outputs(file: &Path) -> Result<bool, SumoFileError> {
             let folder = file.parent().unwrap_or(Path::new(""));
             let paths = named.map(|value| absolute(folder, Path::new(&value)));
             open.extend(paths.filter(|path| path.is_file() && is_xml(path).is_ok_and(|is_xml| is_xml)));
-            ControlFlow::Continue(())
+            if refused.is_err() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         })?;
+        std::mem::replace(&mut refused, Ok(()))?;
     }
     Ok(found)
 }
@@ -227,15 +242,16 @@ mod tests {
         assert_eq!(target("/cfg/a", "out.xml"), "/r/out.xml", "the same file by another name");
         assert_eq!(target("/cfg", "statistics.xml"), "/r/statistics.xml");
         assert_eq!(target("/cfg", "console.log"), "/r/2_console.log");
-        for none in ["NUL", "stdout", "-", "localhost:9000", "/dev/null"] {
+        for none in ["NUL", "stdout", "-", "/dev/null"] {
             assert_eq!(target("/cfg", none), none);
         }
         assert_eq!(target("/cfg", "Stdout"), "/r/Stdout", "SUMO knows stdout and STDOUT alone");
         assert_eq!(target("/cfg", "a:99999"), "/r/a_99999", "or SUMO would look for a host");
+        assert_eq!(target("/cfg", "localhost:9"), "/r/localhost_9", "refused before");
         assert_eq!(redirect.own("statistics.xml"), Path::new("/r/2_statistics.xml"));
         assert_eq!(redirect.own("statistics.xml"), Path::new("/r/3_statistics.xml"));
-        redirect.take_prefix("../../deep/x_TIME");
-        assert_eq!(redirect.target(Path::new("/cfg"), "c.xml"), "/r/x_c.xml");
+        redirect.take_prefix("../../deep/x:_TIME");
+        assert_eq!(redirect.target(Path::new("/cfg"), "c.xml"), "/r/x__c.xml");
     }
 
     #[test]

@@ -38,6 +38,19 @@ pub struct TripInfo {
 /// Attributes of the element `emissions`: sums over the trip in mg, electricity in Wh.
 pub const EMISSIONS: [&str; 7] = ["CO_abs", "CO2_abs", "HC_abs", "PMx_abs", "NOx_abs", "fuel_abs", "electricity_abs"];
 
+/// Calls `visit` with every trip of a file and its id, in the order of the file, without what it emitted. True if the file
+/// is whole: it breaks off where SUMO was killed.
+///
+/// # Errors
+/// [`SumoFileError::Unreadable`] if it cannot be read, [`SumoFileError::Content`] with the place if it is not what SUMO
+/// writes, or `visit` says what is wrong.
+pub fn each_trip(
+    path: &Path,
+    mut visit: impl FnMut(String, TripInfo) -> Result<(), String>,
+) -> Result<bool, SumoFileError> {
+    records::each(path, &["tripinfo"], |_, record| trip(record).and_then(|(id, trip)| visit(id, trip)))
+}
+
 /// All trips of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trips {

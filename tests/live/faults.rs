@@ -1,8 +1,8 @@
 //! What goes wrong around a run: the message says what, nothing that was computed is lost, no SUMO stays behind.
 
 use crate::support::{
-    CAR, NEW, OLD, Running, TOO_OLD, children, configuration, json, number, own, program, refusal, repository, run,
-    run_command, stays, straight_road, table,
+    CAR, NEW, OLD, Running, SmallDisk, TOO_OLD, children, configuration, json, naming, number, own, program, refusal,
+    repository, run, run_command, stays, straight_road, table,
 };
 use std::fs;
 use std::net::TcpListener;
@@ -84,6 +84,15 @@ fn a_folder_that_cannot_be_made_is_named() {
     let ended = Running::start(run_command(NEW, &own("light"), &file.join("result"), &[])).wait();
     assert_eq!(ended.code, Some(1));
     assert!(ended.stderr.contains("file"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_folder_that_sumo_takes_for_an_address_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let ended = Running::start(run_command(NEW, &own("light"), &folder.path().join("12:30/result"), &[])).wait();
+    assert_eq!(ended.code, Some(1));
+    let said = ended.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(said.contains("12:30/result/sumo") && said.contains("for a network address"), "{said}");
 }
 
 fn send(signal: &str, pid: u32) {
@@ -334,36 +343,24 @@ fn rows_of_vehicles_that_have_left_survive_a_kill() {
     }
 }
 
-/// Somebody cleans up too early.
+/// Somebody cleans up too early: all of it, or what SUMO writes.
 #[test]
-fn a_folder_that_is_deleted_meanwhile_costs_no_row() {
-    let folder = tempfile::tempdir().unwrap();
-    let dir = folder.path().join("result");
-    let mut run = Running::start(run_command(NEW, &own("city"), &dir, &["--end", "300"]));
-    until_rows(&mut run, &dir, 5);
-    fs::remove_dir_all(&dir).unwrap();
-    let ended = run.wait();
-    assert!(table(&dir.join("vehicles.csv")).len() > 50, "{}", ended.stderr);
-    assert_eq!(ended.code, Some(0), "{}", ended.stderr);
-    assert!(ended.stderr.contains("time losses are missing"), "{}", ended.stderr);
-}
-
-/// A small file system of its own, as root; it goes with this value.
-struct SmallDisk(tempfile::TempDir);
-
-impl SmallDisk {
-    fn new(kilobytes: u32) -> Option<Self> {
+fn a_folder_that_is_deleted_meanwhile_costs_no_row_and_is_told() {
+    for name in ["", "sumo"] {
         let folder = tempfile::tempdir().unwrap();
-        let size = format!("size={kilobytes}k");
-        let mut mount = Command::new("mount");
-        mount.args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(folder.path());
-        mount.status().is_ok_and(|status| status.success()).then_some(Self(folder))
-    }
-}
-
-impl Drop for SmallDisk {
-    fn drop(&mut self) {
-        let _ = Command::new("umount").arg("-l").arg(self.0.path()).status();
+        let dir = folder.path().join("result");
+        let mut run = Running::start(run_command(NEW, &own("city"), &dir, &["--end", "300"]));
+        until_rows(&mut run, &dir, 5);
+        fs::remove_dir_all(dir.join(name)).unwrap();
+        let ended = run.wait();
+        assert!(table(&dir.join("vehicles.csv")).len() > 50, "{}", ended.stderr);
+        assert!(dir.join("schema.json").is_file());
+        assert_eq!(ended.code, Some(1), "{}", ended.stderr);
+        let said = ended.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains("was deleted while the run was under way: what SUMO wrote is lost"), "{said}");
+        let manifest = json(&dir.join("run.json"));
+        assert_eq!(manifest["status"], "incomplete");
+        assert!(manifest["reason"].as_str().unwrap().contains("was deleted"), "{manifest}");
     }
 }
 
@@ -375,7 +372,7 @@ fn a_full_disk_costs_no_row_that_was_known() {
             eprintln!("skipped: only root can make a small disk");
             return;
         };
-        let dir = disk.0.path().join("result");
+        let dir = disk.folder().join("result");
         let ended = Running::start(run_command(NEW, &own("city"), &dir, &["--quiet"])).wait();
         assert_eq!(ended.code, Some(1), "{kilobytes} kB: {}", ended.stderr);
         assert!(ended.stderr.contains("No space left"), "{kilobytes} kB: {}", ended.stderr);
@@ -385,17 +382,6 @@ fn a_full_disk_costs_no_row_that_was_known() {
         let said = ended.stderr.contains("vehicles.csv.part");
         assert_eq!(said, !whole.is_file(), "{kilobytes} kB: {}", ended.stderr);
     }
-}
-
-/// Processes whose command line names a folder, as SUMO's does.
-fn naming(folder: &Path) -> Vec<u32> {
-    let wanted = folder.to_str().unwrap();
-    let pids = fs::read_dir("/proc").unwrap().flatten().filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-    let named = |pid: &u32| {
-        let line = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
-        String::from_utf8_lossy(&line).contains(wanted)
-    };
-    pids.filter(named).collect()
 }
 
 /// Nobody may end this program in order at SIGKILL: SUMO must notice by itself, whether it loads, waits or drives.
@@ -408,6 +394,11 @@ fn whenever_the_program_is_killed_sumo_goes_too() {
         let clients = if kill % 3 == 0 { "2" } else { "1" };
         let args = ["--num-clients", clients, "--quiet", "--no-report"];
         let mut run = Running::start(run_command(NEW, &own("city"), &folder.path().join("result"), &args));
+        // Some while it drives, however long it takes to get there.
+        let deadline = Instant::now() + Duration::from_secs(30);
+        while kill % 6 == 1 && !folder.path().join("result/schema.json").exists() && Instant::now() < deadline {
+            std::thread::sleep(Duration::from_millis(2));
+        }
         std::thread::sleep(Duration::from_millis(7 * (kill * 37 % 100)));
         let sumo = children(run.child.id());
         loading += usize::from(!sumo.is_empty());

@@ -139,6 +139,21 @@ fn configurations() -> Vec<Case> {
         option("a prefix", Written("v_w.xml"), "<output-prefix value=\"OUTSIDE/v_\"/><summary value=\"w.xml\"/>"),
         option("queues", Written("v.xml"), "<queue-output value=\"OUTSIDE/v.xml\"/>"),
         option(
+            "a socket",
+            Refused(&["c.sumocfg:3: tripinfo-output: found 127.0.0.1:9", "wanted a file name"]),
+            "<tripinfo-output value=\"127.0.0.1:9\"/>",
+        ),
+        option(
+            "a socket by a synonym, on a list",
+            Refused(&["c.sumocfg:3: l: found v.txt,[::1]:9"]),
+            "<l value=\"v.txt,[::1]:9\"/>",
+        ),
+        option(
+            "a prefix that makes a socket",
+            Written("localhost_v.xml"),
+            "<output-prefix value=\"localhost:\"/><summary value=\"v.xml\"/>",
+        ),
+        option(
             "ssm",
             Written("v.xml"),
             "<device.ssm.probability value=\"1\"/><device.ssm.file value=\"OUTSIDE/v.xml\"/>",
@@ -160,6 +175,7 @@ fn loaded_files() -> Vec<Case> {
     let watched = demand(&device("ssm", "v.xml"), "");
     let vtype = &watched[watched.find("<vType").unwrap()..watched.find("<vehicle").unwrap()];
     let calibrated = vtype.replace("id=\"ego\"", "id=\"other\"");
+    let socket = |text: &str| text.replace("v.xml", "127.0.0.1:9");
     let dtd = "<!DOCTYPE a [<!ENTITY o \"x\">]>";
     vec![
         Case::new("an additional file", Written("v.xml")).additional(EDGES),
@@ -191,6 +207,18 @@ fn loaded_files() -> Vec<Case> {
         Case::new("vTypes of a calibrator's file", Harmless)
             .additional(element("<calibrator id=\"c\" edge=\"before\" pos=\"0\" file=\"b.xml\"/>"))
             .file("b.xml", format!("<calibrator>{calibrated}<flow id=\"f\" type=\"other\" begin=\"0\" end=\"9\" vehsPerHour=\"3600\" route=\"r\"/></calibrator>")),
+        Case::new("a socket of an additional file", Refused(&["a.xml:1: file of edgeData: found 127.0.0.1:9", "a file name"]))
+            .additional(element("<edgeData id=\"e\" file=\"127.0.0.1:9\"/>")),
+        Case::new("a socket of an included detector", Refused(&["b.xml:1: file of e1Detector: found 127.0.0.1:9"]))
+            .additional(included("b.xml")).file("b.xml", element(&socket(detector))),
+        Case::new("a socket for a traffic light's states", Refused(&["a.xml:1: dest of timedEvent: found 127.0.0.1:9"]))
+            .additional(element(&socket(event))),
+        Case::new("a socket of a network", Refused(&["light.net.xml:", "file of e1Detector: found 127.0.0.1:9"]))
+            .file("light.net.xml", socket(&plain(&ours("light.net.xml")))),
+        Case::new("a socket of a vType's device", Refused(&["light.rou.xml:", "device.ssm.file of vType: found localhost:9"]))
+            .file("light.rou.xml", demand(&device("ssm", "localhost:9"), "")),
+        Case::new("a socket of a vehicle's device", Refused(&["light.rou.xml:", "device.toc.file of vehicle: found localhost:9"]))
+            .file("light.rou.xml", demand("", &device("toc", "localhost:9"))),
         Case::new("a detector among the demand", Harmless)
             .file("light.rou.xml", ours("light.rou.xml").replace("</routes>", &format!("{detector}</routes>"))),
     ]
@@ -207,6 +235,11 @@ fn tomls() -> Vec<Case> {
         toml("a prefix of a TOML", Written("v_sumo.log"), r#"["--output-prefix", "OUTSIDE/v_"]"#),
         toml("letters in one word", Refused(&["c.toml:3: ", "a text of its own"]), r#"["-vl", "v.txt"]"#),
         toml("no value", Refused(&["c.toml:3: ", "a file name"]), r#"["--fcd-output", "--v.xml"]"#),
+        toml(
+            "a socket of a TOML",
+            Refused(&["c.toml:3: sumo.options", "--fcd-output localhost:9", "a file name"]),
+            r#"["--fcd-output", "localhost:9"]"#,
+        ),
         toml("states of a TOML", Written("state_2.00.xml.gz"), r#"["--save-state.times", "2"]"#),
         toml("save-template of a TOML", no_simulation, r#"["--save-template", "OUTSIDE/v.xml"]"#),
         toml("C of a TOML", no_simulation, r#"["-C", "v.xml"]"#),

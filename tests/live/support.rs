@@ -125,6 +125,43 @@ pub fn children(pid: u32) -> Vec<u32> {
     texts.flat_map(|t| t.split_whitespace().filter_map(|p| p.parse().ok()).collect::<Vec<_>>()).collect()
 }
 
+/// Processes whose command line names a folder, as SUMO's does.
+pub fn naming(folder: &Path) -> Vec<u32> {
+    let wanted = folder.to_str().unwrap();
+    let pids = fs::read_dir("/proc").unwrap().flatten().filter_map(|entry| entry.file_name().to_str()?.parse().ok());
+    let named = |pid: &u32| {
+        let line = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        String::from_utf8_lossy(&line).contains(wanted)
+    };
+    pids.filter(named).collect()
+}
+
+/// A small file system of its own, as root; it goes with this value.
+pub struct SmallDisk(TempDir);
+
+impl SmallDisk {
+    /// `None` where only root could.
+    pub fn new(kilobytes: u32) -> Option<Self> {
+        let folder = tempfile::tempdir().unwrap();
+        let size = format!("size={kilobytes}k");
+        let mut mount = Command::new("mount");
+        mount.args(["-t", "tmpfs", "-o", &size, "tmpfs"]).arg(folder.path());
+        let mounted = mount.stderr(Stdio::null()).status().is_ok_and(|status| status.success());
+        mounted.then_some(Self(folder))
+    }
+
+    /// Where it is.
+    pub fn folder(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg("-l").arg(self.0.path()).status();
+    }
+}
+
 /// The program, with this version of SUMO to be found.
 pub fn program(version: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sumo-mfc"));

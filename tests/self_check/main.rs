@@ -1,6 +1,7 @@
 //! `sumo-mfc doctor` and its self-check of the coupling, on the oldest and the newest supported SUMO: it passes, and each
 //! way to get the coupling wrong makes it fail. A missing SUMO is a failure, not a skip.
 
+#[allow(dead_code, reason = "the faults at random use the rest")]
 mod proxy;
 mod step_reference;
 
@@ -51,7 +52,7 @@ fn checks(version: &str, fault: Fault, change: fn(&mut WorldSetup)) -> Vec<Check
     let attempt = async || -> Result<Vec<Check>, CosimError> {
         let sumo = find_sumo(Some(&binary(version)))?;
         let process = SumoProcess::spawn(&sumo, &line, None, folder.path())?;
-        let address = format!("127.0.0.1:{}", proxy::start(process.port(), fault));
+        let address = format!("127.0.0.1:{}", proxy::start(process.port(), fault).port);
         let client = Client::connect(address, PATIENCE).await?;
         let mut setup = run::world(&scenario).unwrap();
         change(&mut setup);

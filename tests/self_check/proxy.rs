@@ -1,12 +1,14 @@
 //! A proxy between client and SUMO that makes the coupling wrong on the wire.
 
-use std::io::{Read, Write};
+use std::io::{self, Read, Write};
 use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// What the proxy does to the messages.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
     /// Nothing.
     None,
@@ -14,8 +16,33 @@ pub enum Fault {
     NotSentBack,
     /// `setPreviousSpeed` becomes `setSpeed`, and "speed without TraCI" is read in place of the speed.
     SpeedWithoutTraci,
+    /// The connections end when this step is asked for, counted from 1.
+    Cut(u64),
+    /// From this step on nothing passes.
+    Silent(u64),
+    /// The answers of [`SLOW_STEPS`] steps from this one on come in small pieces.
+    Slow(u64),
+    /// The answer of this step has another byte, at this share of its length, the length in front included.
+    Garbled {
+        /// The step.
+        step: u64,
+        /// Where.
+        at: f64,
+        /// The bits that are turned over.
+        bits: u8,
+    },
 }
 
+/// A proxy under way.
+pub struct Proxy {
+    /// Where it listens.
+    pub port: u16,
+    /// How many steps the client has asked for.
+    pub steps: Arc<AtomicU64>,
+}
+
+/// How long answers stay slow.
+const SLOW_STEPS: u64 = 10;
 const SET: u8 = 0xc4;
 const GET: u8 = 0xa4;
 const GOT: u8 = 0xb4;
@@ -26,36 +53,82 @@ const PREVIOUS_SPEED: u8 = 0x3c;
 const DOUBLE: u8 = 0x0b;
 const LIMIT: Duration = Duration::from_secs(30);
 
-/// Starts a proxy for one connection to the SUMO at `sumo`, which may still be starting. Returns the proxy's port.
-pub fn start(sumo: u16, fault: Fault) -> u16 {
+/// Starts a proxy for one connection to the SUMO at `sumo`, which may still be starting.
+pub fn start(sumo: u16, fault: Fault) -> Proxy {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
-    let port = listener.local_addr().unwrap().port();
+    let (port, steps) = (listener.local_addr().unwrap().port(), Arc::new(AtomicU64::new(0)));
+    let (asked, answered) = (steps.clone(), steps.clone());
     thread::spawn(move || {
         let (client, _) = listener.accept().unwrap();
-        let sumo = reach(sumo);
+        let Some(sumo) = reach(sumo) else { return };
         for stream in [&client, &sumo] {
             stream.set_nodelay(true).unwrap();
         }
         let (from_client, to_sumo) = (client.try_clone().unwrap(), sumo.try_clone().unwrap());
-        thread::spawn(move || pump(from_client, to_sumo, |command| alter_request(command, fault)));
-        pump(sumo, client, |command| alter_answer(command, fault));
+        thread::spawn(move || {
+            let alter = |command: &[u8]| {
+                // A step has a time behind it; the status of one has not.
+                if command.len() == 10 && command[1] == STEP {
+                    asked.fetch_add(1, Ordering::SeqCst);
+                }
+                alter_request(command, fault)
+            };
+            pump(from_client, to_sumo, alter, |message, to| ask(message, to, asked.load(Ordering::SeqCst), fault));
+        });
+        let step = || answered.load(Ordering::SeqCst);
+        pump(sumo, client, |command| alter_answer(command, fault), |message, to| answer(message, to, step(), fault));
     });
-    port
+    Proxy { port, steps }
 }
 
-fn reach(port: u16) -> TcpStream {
+/// None if SUMO never listens.
+fn reach(port: u16) -> Option<TcpStream> {
     let deadline = Instant::now() + LIMIT;
-    loop {
-        match TcpStream::connect((Ipv4Addr::LOCALHOST, port)) {
-            Ok(stream) => return stream,
-            Err(error) => assert!(Instant::now() < deadline, "SUMO does not listen: {error}"),
+    while Instant::now() < deadline {
+        if let Ok(stream) = TcpStream::connect((Ipv4Addr::LOCALHOST, port)) {
+            return Some(stream);
         }
         thread::sleep(Duration::from_millis(10));
+    }
+    None
+}
+
+/// Passes on what the client asks when it has asked for so many steps.
+fn ask(message: &[u8], to: &mut TcpStream, step: u64, fault: Fault) -> io::Result<()> {
+    match fault {
+        Fault::Cut(from) if step >= from => Err(io::ErrorKind::ConnectionAborted.into()),
+        Fault::Silent(from) if step >= from => Ok(()),
+        _ => to.write_all(message),
+    }
+}
+
+/// Passes on what SUMO answers.
+fn answer(message: &[u8], to: &mut TcpStream, step: u64, fault: Fault) -> io::Result<()> {
+    match fault {
+        Fault::Slow(from) if (from..from + SLOW_STEPS).contains(&step) => {
+            for piece in message.chunks(message.len().div_ceil(5)) {
+                to.write_all(piece)?;
+                thread::sleep(Duration::from_millis(4));
+            }
+            Ok(())
+        }
+        Fault::Garbled { step: at_step, at, bits } if step == at_step => {
+            let mut message = message.to_vec();
+            let place = (at * message.len() as f64) as usize;
+            message[place] ^= bits;
+            to.write_all(&message)
+        }
+        _ => to.write_all(message),
     }
 }
 
 /// Passes messages on, each command altered, until one side hangs up.
-fn pump(mut from: TcpStream, mut to: TcpStream, alter: impl Fn(&[u8]) -> Vec<u8>) {
+fn pump(
+    mut from: TcpStream,
+    mut to: TcpStream,
+    alter: impl Fn(&[u8]) -> Vec<u8>,
+    pass: impl Fn(&[u8], &mut TcpStream) -> io::Result<()>,
+) {
     let mut length = [0; 4];
     while from.read_exact(&mut length).is_ok() {
         let mut body = vec![0; u32::from_be_bytes(length) as usize - 4];
@@ -77,11 +150,12 @@ fn pump(mut from: TcpStream, mut to: TcpStream, alter: impl Fn(&[u8]) -> Vec<u8>
         }
         let length = u32::try_from(message.len()).unwrap();
         message[..4].copy_from_slice(&length.to_be_bytes());
-        if to.write_all(&message).is_err() {
+        if pass(&message, &mut to).is_err() {
             break;
         }
     }
-    let _ = to.shutdown(Shutdown::Both);
+    // A client that was cut off has to notice it, too.
+    let _ = (to.shutdown(Shutdown::Both), from.shutdown(Shutdown::Both));
 }
 
 fn command_length(bytes: &[u8]) -> usize {

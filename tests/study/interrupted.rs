@@ -143,6 +143,25 @@ fn shards_in_any_order_make_the_same_tables() {
     assert_eq!(done(&dir), before, "collecting runs nothing");
 }
 
+/// Whoever comes second waits, and comes to the same.
+#[test]
+fn several_calls_write_the_tables_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let few = ["scenarios/straight.toml", "--end", "5", "--vary", "controller.name=pid,ideal", "--seeds", "1..3"];
+    study("sweep", folder.path(), &few);
+    let wanted = tables(folder.path());
+    let collect = || Running::start(command("sweep", folder.path(), &[&few[..], &["--collect"]].concat()));
+    let calls: Vec<Running> = (0..8).map(|_| collect()).collect();
+    for call in calls {
+        let ended = call.wait();
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+    }
+    assert_eq!(tables(folder.path()), wanted);
+    let parts =
+        fs::read_dir(folder.path()).unwrap().flatten().filter(|e| e.path().extension().is_some_and(|x| x == "part"));
+    assert_eq!(parts.count(), 0);
+}
+
 #[test]
 fn what_is_not_there_yet_is_said_to_be_missing() {
     let folder = tempfile::tempdir().unwrap();

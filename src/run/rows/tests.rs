@@ -69,13 +69,6 @@ fn other_tables_have_the_columns_that_were_promised() {
     assert_eq!(edges.join(","), "edge,samples,error_mean,error_rms,speed_mean");
 }
 
-#[test]
-fn rows_are_ordered_by_departure_then_id() {
-    let mut rows = vec![vehicle("b", 2.0), vehicle("c", 1.0), vehicle("a", 2.0), vehicle("d", 10.0)];
-    sort_by_departure(&mut rows, |row| (row.depart, &row.id));
-    assert_eq!(rows.iter().map(|r| r.id.as_str()).collect::<String>(), "cabd");
-}
-
 /// Three vehicles: a plain one, one with an awkward id, one with hardly any values.
 fn fleet() -> Vec<VehicleRow> {
     let mut awkward = vehicle("a,\"b\" <&'c>\u{e9}", 1.0);
