@@ -16,6 +16,7 @@ use super::leader::Leader;
 use super::observation::EgoQuestion;
 use super::places::{Place, places};
 use super::platoon::Follower;
+use super::plausible::Watch;
 use super::question::NoAnswer;
 use super::readings::{ReadingQuestion, Readings};
 use super::records::{Finished, Reason, Records};
@@ -208,6 +209,7 @@ impl<S: Sumo> World<S> {
                 keeps_plan: action_step_s > 1.5 * self.step_s,
                 follower: Follower::default(),
                 creep: Creep::default(),
+                watch: Watch::default(),
                 headway_before_s: departed.headway_s,
                 headway_s,
                 imperfection_before: departed.imperfection,
@@ -343,6 +345,7 @@ impl<S: Sumo> World<S> {
             let (block, lane) = (self.fleet.block(*slot), slot.lane());
             if ego.presence == Presence::Driving {
                 ego.creep.note(block.speed_mps(lane), self.step_s);
+                ego.watch.note(block, lane, self.step_s, self.events.time_s);
             }
             if !block.is_sound(lane) {
                 self.end(*slot, Reason::Diverged);

@@ -209,6 +209,7 @@ fn notes(counters: &Counters, egos: usize) -> Vec<String> {
     if let Some((id, reason)) = counters.refused.first() {
         notes.push(format!("{} vehicles cannot be egos; the first, \"{id}\": {reason}", counters.refused.len()));
     }
+    notes.extend(counters.implausible.notes());
     if let Some(first) = counters.odd_masses.first() {
         notes.push(format!(
             "{} egos have less than half or more than twice the mass of their kind; the first, {first} (vehicle.mass_factor is relative)",

@@ -120,7 +120,10 @@ fn fuzz(name: &str) {
         at.store(u64::MAX, Ordering::Relaxed);
     });
     eprintln!("{name}: {cases} cases, {taken} taken, {} kinds of finds, {:.1?}", finds.len(), begun.elapsed());
-    let shown = finds.iter().take(SHOWN).map(|(kind, (number, times))| format!("\n{name}:{seed}:{number} ({times} times): {kind}"));
+    let shown = finds
+        .iter()
+        .take(SHOWN)
+        .map(|(kind, (number, times))| format!("\n{name}:{seed}:{number} ({times} times): {kind}"));
     assert!(finds.is_empty(), "{}", shown.collect::<String>());
 }
 

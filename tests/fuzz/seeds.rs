@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use sumo_mfc::keys::{Key, Kind};
 use sumo_mfc::run::Manifest;
 use sumo_mfc::scenario::{Catalog, Form, Request, Scenario, sections, template};
 
@@ -19,51 +20,131 @@ pub struct Seeds {
 pub fn of(target: &str) -> Seeds {
     let (paths, texts, words): (&[&str], Vec<String>, &[&str]) = match target {
         "decoder" => (
-            &["tests/data/traci/replies/1.28.0-events.bin", "tests/data/traci/replies/1.28.0-gets.bin",
-              "tests/data/traci/replies/1.15.0-events.bin", "tests/data/traci/replies/1.15.0-gets.bin"],
-            vec![], &["\0\0\0\u{7f}"]),
+            &[
+                "tests/data/traci/replies/1.28.0-events.bin",
+                "tests/data/traci/replies/1.28.0-gets.bin",
+                "tests/data/traci/replies/1.15.0-events.bin",
+                "tests/data/traci/replies/1.15.0-gets.bin",
+            ],
+            vec![],
+            &["\0\0\0\u{7f}"],
+        ),
         "scenario" => (
-            &["scenarios/city.toml", "scenarios/demo.toml", "scenarios/sine.toml", "scenarios/paper/disturb.toml",
-              "scenarios/paper/presets/best.toml"],
-            scenarios(), XML),
+            &[
+                "scenarios/city.toml",
+                "scenarios/demo.toml",
+                "scenarios/sine.toml",
+                "scenarios/paper/disturb.toml",
+                "scenarios/paper/presets/best.toml",
+            ],
+            scenarios(),
+            XML,
+        ),
         "set" => (&[], sets(), &["group.0.controller.k_p", "vehicle.mass_kg.std", "normal(1,0.2)", "uniform(0,1)"]),
         "study" => (
             &["scenarios/studies/city.toml", "scenarios/studies/mass.toml", "scenarios/studies/noise.toml"],
-            vec![STUDY.to_owned()], &["1..10", "1..1000000000", "3,8,12", "reference", "slurm", "vary", "seeds"]),
-        "manifest" => (&[], vec![manifest()], &["version", "scenario", "inputs", "null", "true", "[]", "{}", "\\u0000"]),
+            vec![STUDY.to_owned()],
+            &["1..10", "1..1000000000", "3,8,12", "reference", "slurm", "vary", "seeds"],
+        ),
+        "manifest" => {
+            (&[], vec![manifest()], &["version", "scenario", "inputs", "null", "true", "[]", "{}", "\\u0000"])
+        }
         "configuration" => (
             &["sumo_nets/light/light.sumocfg", "sumo_nets/city/city.sumocfg"],
             vec![CONFIGURATION.to_owned(), "<c><n v='a.net.xml'/><r v='a.rou.xml'/><a v=''/></c>".to_owned()],
-            &["a.net.xml", "a.rou.xml", "true", "mesosim", "v", "value", "save-state.times", "tripinfo-output",
-              "additional-files", "random", "begin", "end", "seed", "step-length", "num-clients"]),
+            &[
+                "a.net.xml",
+                "a.rou.xml",
+                "true",
+                "mesosim",
+                "v",
+                "value",
+                "save-state.times",
+                "tripinfo-output",
+                "additional-files",
+                "random",
+                "begin",
+                "end",
+                "seed",
+                "step-length",
+                "num-clients",
+            ],
+        ),
         "demand" => (
             &["sumo_nets/light/light.rou.xml", "sumo_nets/motorway/motorway.rou.xml", "tests/data/traci/grid.rou.xml"],
-            vec![DEMAND.to_owned()], XML),
+            vec![DEMAND.to_owned()],
+            XML,
+        ),
         "additional" => (&["tests/data/traci/grid.add.xml"], vec![ADDITIONAL.to_owned()], XML),
         "state" => (&["tests/data/fuzz/state.xml.gz"], vec![STATE.to_owned()], XML),
         "network" => (
             &["sumo_nets/light/light.net.xml", "sumo_nets/sine/sine.net.xml"],
-            vec!["<net><edge id=\"a\" function=\"crossing\"/><edge id=\"b\"><lane shape=\"0,0 1,1,2\"/></edge></net>".to_owned()],
-            &["walkingarea", "function", "shape", "edge", "lane", "0,0 1e308,1", "net"]),
+            vec![
+                "<net><edge id=\"a\" function=\"crossing\"/><edge id=\"b\"><lane shape=\"0,0 1,1,2\"/></edge></net>"
+                    .to_owned(),
+            ],
+            &["walkingarea", "function", "shape", "edge", "lane", "0,0 1e308,1", "net"],
+        ),
         "tripinfo" => (
-            &["tests/data/sumo_outputs/tripinfo_1.28.0.xml", "tests/data/sumo_outputs/tripinfo_1.15.0.xml",
-              "tests/data/fuzz/tripinfo.parquet", "tests/data/fuzz/tripinfo.csv"],
-            vec![], &["tripinfo", "emissions", "vaporized", "collision", "id", "arrival", "-1", "PAR1"]),
+            &[
+                "tests/data/sumo_outputs/tripinfo_1.28.0.xml",
+                "tests/data/sumo_outputs/tripinfo_1.15.0.xml",
+                "tests/data/fuzz/tripinfo.parquet",
+                "tests/data/fuzz/tripinfo.csv",
+            ],
+            vec![],
+            &["tripinfo", "emissions", "vaporized", "collision", "id", "arrival", "-1", "PAR1"],
+        ),
         "statistics" => (
-            &["tests/data/sumo_outputs/statistics_1.28.0.xml", "tests/data/sumo_outputs/statistics_1.15.0.xml",
-              "tests/data/fuzz/statistics.parquet"],
-            vec![], &["vehicles", "teleports", "safety", "total", "collisions", "PAR1"]),
+            &[
+                "tests/data/sumo_outputs/statistics_1.28.0.xml",
+                "tests/data/sumo_outputs/statistics_1.15.0.xml",
+                "tests/data/fuzz/statistics.parquet",
+            ],
+            vec![],
+            &["vehicles", "teleports", "safety", "total", "collisions", "PAR1"],
+        ),
         "conflicts" => (&[], vec![CONFLICTS.to_owned()], &["conflict", "minTTC", "maxDRAC", "PET", "NA", "ego"]),
         "log" => (&[], vec![LOG.to_owned()], &["Warning:", "lane='", "lane '", "collision with", "Removing vehicle"]),
         "recording" => (
             &["scenarios/paper/data/hwfet.csv", "scenarios/paper/data/racing_lap.csv", "scenarios/paper/data/udds.csv"],
             RECORDINGS.iter().map(|text| (*text).to_owned()).collect(),
-            &["t_s", "s_m", "v_mps", "v_kmh", "vx", "vy", "yaw_rate", "yaw_rate_degps", "speed", "time", "t", "v", "x_km"]),
+            &[
+                "t_s",
+                "s_m",
+                "v_mps",
+                "v_kmh",
+                "vx",
+                "vy",
+                "yaw_rate",
+                "yaw_rate_degps",
+                "speed",
+                "time",
+                "t",
+                "v",
+                "x_km",
+            ],
+        ),
         "tyre_curve" => (&[], curves(), &["slip,force_n", "0.1,3000", "0,0"]),
         "parameter" => (
-            &[], ["normal(1,0.2)", "normc(1,0.2,0.7,1.5)", "uniform(0.7,1.5)", "1500", "true", "type:bus*", "id:^a.*[0-9]$",
-                  "share:0.25", "class:truck", "all", "type:{a,b}[c-d]?"].map(str::to_owned).to_vec(),
-            &["normal", "uniform", "normc", "(", ")", "share:", "id:(a|b)*", "type:**", "class:bus"]),
+            &[],
+            [
+                "normal(1,0.2)",
+                "normc(1,0.2,0.7,1.5)",
+                "uniform(0.7,1.5)",
+                "1500",
+                "true",
+                "type:bus*",
+                "id:^a.*[0-9]$",
+                "share:0.25",
+                "class:truck",
+                "all",
+                "type:{a,b}[c-d]?",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
+            &["normal", "uniform", "normc", "(", ")", "share:", "id:(a|b)*", "type:**", "class:bus"],
+        ),
         other => panic!("no seeds of {other}"),
     };
     let mut words = words.to_vec();
@@ -106,19 +187,39 @@ fn scenarios() -> Vec<String> {
     vec![SCENARIO.to_owned(), template(&catalog), resolved]
 }
 
-/// Every key with a value, some of them a case.
+/// Every key with a value that it takes, some of them a case.
 fn sets() -> Vec<String> {
     let mut lines = Vec::new();
     for section in sections(&Catalog::installed()) {
-        let keys: Vec<_> = match section.form {
-            Form::Keys(keys) | Form::Drawn(keys) => keys,
-            Form::Choice(entries) => entries.iter().flat_map(|entry| entry.keys.to_vec()).collect(),
+        let name = section.name;
+        let mut add = |choice: &str, keys: &[Key]| {
+            for key in keys.iter().filter(|key| !["config", "net", "connect"].contains(&key.name)) {
+                let value = match key.kind {
+                    Kind::Number { min, max, .. } | Kind::NumberOr { min, max, .. } => {
+                        format!("{:?}", min.max(1.0).min(max))
+                    }
+                    Kind::Integer { min, .. } => min.max(1).to_string(),
+                    Kind::Flag => "true".to_owned(),
+                    Kind::Choice(words) => words[0].to_owned(),
+                    _ => continue,
+                };
+                lines.push(format!("{choice}{name}.{}={value}", key.name));
+            }
         };
-        lines.extend(keys.iter().map(|key| format!("{}.{}=0.5", section.name, key.name)));
+        match section.form {
+            Form::Keys(keys) | Form::Drawn(keys) => add("", &keys),
+            Form::Choice(entries) => {
+                entries.iter().for_each(|entry| add(&format!("{name}.name={}\n", entry.name), entry.keys));
+            }
+        }
     }
-    let more = ["controller.name=pid", "group.0.controller.name=classic", "vehicle.mass_factor={distribution=\"normal\",mean=1,std=0.1}"];
+    let more = [
+        "controller.name=pid",
+        "group.0.controller.name=classic",
+        "vehicle.mass_factor={distribution=\"normal\",mean=1,std=0.1}",
+    ];
     lines.extend(more.map(str::to_owned));
-    lines.chunks(3).map(|lines| lines.join("\n")).collect()
+    lines.chunks(2).map(|lines| lines.join("\n")).collect()
 }
 
 fn manifest() -> String {
@@ -136,9 +237,35 @@ fn curves() -> Vec<String> {
 }
 
 const XML: &[&str] = &[
-    "id", "type", "vType", "vehicle", "trip", "flow", "param", "key", "value", "mfc.mass", "mfc.delay_s", "has.mfc.device",
-    "device.mfc.probability", "include", "href", "file", "routes", "additional", "edgeData", "carFollowModel", "Rail",
-    "normal(1,0.2)", "true", "snapshot", "time", "e1Detector", "a.rou.xml", "b.rou.xml", "../x.xml",
+    "id",
+    "type",
+    "vType",
+    "vehicle",
+    "trip",
+    "flow",
+    "param",
+    "key",
+    "value",
+    "mfc.mass",
+    "mfc.delay_s",
+    "has.mfc.device",
+    "device.mfc.probability",
+    "include",
+    "href",
+    "file",
+    "routes",
+    "additional",
+    "edgeData",
+    "carFollowModel",
+    "Rail",
+    "normal(1,0.2)",
+    "true",
+    "snapshot",
+    "time",
+    "e1Detector",
+    "a.rou.xml",
+    "b.rou.xml",
+    "../x.xml",
 ];
 
 const SCENARIO: &str = r#"name = "a"

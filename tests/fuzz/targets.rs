@@ -3,7 +3,7 @@
 
 use std::fmt::{Debug, Display};
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use sumo_mfc::plant::tyre::{identify, read_curve};
 use sumo_mfc::reference::{Axis, Profile, RecordingOptions};
@@ -60,7 +60,9 @@ pub struct Room {
 impl Room {
     /// A folder of its own.
     pub fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
+        // In memory where there is such a folder: each case is written and read.
+        let memory = Path::new("/dev/shm");
+        let folder = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() }.unwrap();
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write("a.net.xml", include_str!("../../sumo_nets/light/light.net.xml"));
         write("a.rou.xml", include_str!("../../sumo_nets/light/light.rou.xml"));
@@ -146,7 +148,8 @@ fn decoder(_: &Room, bytes: &[u8]) -> Judged {
 /// A scenario file: what is taken is printed, read back and printed again.
 fn scenario(room: &Room, bytes: &[u8]) -> Judged {
     let path = room.put("case.toml", bytes);
-    let Some(scenario) = room.load(&Request::file(path), &["case.toml", "sumocfg", "xml", "nothing to run"], bytes)? else {
+    let Some(scenario) = room.load(&Request::file(path), &["case.toml", "sumocfg", "xml", "nothing to run"], bytes)?
+    else {
         return Ok(false);
     };
     read_back(room, &scenario)?;
