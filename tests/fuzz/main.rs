@@ -2,7 +2,7 @@
 //!
 //! `make fuzz fuzz_cases=10000000` is the long form. A case is made from seed, target and number alone. What is found is
 //! printed as `target:seed:case`; `SUMO_MFC_FUZZ_CASE=target:seed:case cargo test --release --test fuzz repeat` runs that
-//! case again, and leaves its bytes as a file.
+//! case again, and leaves its bytes as a file. If the process was aborted, `target/tmp/fuzz-target-seed` has the case.
 
 mod mutate;
 mod seeds;
@@ -98,12 +98,15 @@ fn fuzz(name: &str) {
     let seed = from_environment("SUMO_MFC_FUZZ_SEED", 1);
     let cases = from_environment("SUMO_MFC_FUZZ_CASES", CASES).div_ceil(TARGETS.len() as u64);
     let (at, begun) = (AtomicU64::new(0), Instant::now());
+    let under_way = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("fuzz-{name}-{seed}"));
     let mut finds: BTreeMap<String, (u64, u64)> = BTreeMap::new();
     let mut taken = 0;
     std::thread::scope(|scope| {
         scope.spawn(|| watch(name, seed, cases, &at));
         for number in 0..cases {
             at.store(number, Ordering::Relaxed);
+            // What aborts the process, such as the end of the stack, is found here.
+            std::fs::write(&under_way, number.to_string()).unwrap();
             let bytes = case(target, &seeds, seed, number);
             // What is too slow or too large only now and then is the machine's doing: other tests run beside this one.
             let mut judged = judge(target, &room, &bytes);
@@ -119,6 +122,7 @@ fn fuzz(name: &str) {
         }
         at.store(u64::MAX, Ordering::Relaxed);
     });
+    std::fs::remove_file(&under_way).unwrap();
     eprintln!("{name}: {cases} cases, {taken} taken, {} kinds of finds, {:.1?}", finds.len(), begun.elapsed());
     let shown = finds
         .iter()
