@@ -32,7 +32,10 @@ const CASES: u64 = 100_000;
 
 /// A case that takes longer is a find, one that takes as long as the second ends the process.
 const SLOW: Duration = Duration::from_secs(1);
-const HANGS: Duration = Duration::from_secs(60);
+const HANGS: Duration = Duration::from_secs(300);
+
+/// How often a long run says how far it has come.
+const TELLS: Duration = Duration::from_secs(60);
 
 /// A case that allocates more in all is a find \[bytes\].
 const ALLOCATED_MAX: usize = 256 << 20;
@@ -153,7 +156,7 @@ fn watch(name: &str, seed: u64, cases: u64, at: &AtomicU64) {
             eprintln!("{name}:{seed}:{now} hangs");
             std::process::exit(101);
         }
-        if told.elapsed() > HANGS {
+        if told.elapsed() > TELLS {
             told = Instant::now();
             eprintln!("{name}: {now} of {cases}");
         }
