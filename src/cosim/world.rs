@@ -299,7 +299,9 @@ impl<S: Sumo> World<S> {
                 ego.teleported = true;
             }
         }
-        self.admission.wait(self.events.departed.drain(..));
+        let found = std::mem::take(&mut self.events.found);
+        counters.present += found.len() as u64;
+        self.admission.wait(self.events.departed.drain(..).chain(found));
         for id in std::mem::take(&mut self.events.arrived) {
             self.admission.forget(&id);
             if let Some(ego) = self.egos.find(&id) {

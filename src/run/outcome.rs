@@ -122,9 +122,9 @@ fn row(record: &Finished, trips: &mut Trips, scenario: &Scenario, end_s: f64) ->
     let group = &scenario.groups[record.group];
     let depart = milliseconds(trip.as_ref().map_or(record.depart_s, |t| t.depart_s));
     let reason = match (record.reason, trip.as_ref().and_then(|t| t.taken_out.as_deref())) {
-        // TraCI calls all of them arrived.
-        (Reason::Arrived, Some("collision")) => Reason::Collided,
-        (Reason::Arrived, Some("teleport")) => Reason::TeleportedOut,
+        // TraCI calls all of them arrived, or (SUMO 1.15) nothing at all.
+        (Reason::Arrived | Reason::Removed, Some("collision")) => Reason::Collided,
+        (Reason::Arrived | Reason::Removed, Some("teleport")) => Reason::TeleportedOut,
         (Reason::Arrived, Some(_)) => Reason::Removed,
         (reason, _) => reason,
     };
