@@ -1,7 +1,6 @@
 //! Whether what an ego does can be. Its settings are legal and its numbers finite, so nothing breaks off; but what no road
 //! vehicle does is told, one line for each kind, with the vehicle in which it is worst.
 
-use super::records::Reason;
 use crate::fleet::block::Block;
 use crate::plant::FASTEST_MPS;
 use std::sync::Arc;
@@ -87,8 +86,8 @@ pub struct Ending<'a> {
     pub watch: &'a Watch,
     /// When \[s\].
     pub time_s: f64,
-    /// How it ended.
-    pub reason: Reason,
+    /// Whether that is why.
+    pub diverged: bool,
     /// V_x [m/s].
     pub speed_mps: f64,
     /// The distance of its body \[m\].
@@ -133,8 +132,8 @@ pub struct Implausible {
 impl Implausible {
     /// Takes the end of a record.
     pub fn note(&mut self, ending: &Ending<'_>) {
-        let Ending { id, watch, time_s, reason, speed_mps, distance_m, odometer_gap_m } = *ending;
-        if reason == Reason::Diverged {
+        let Ending { id, watch, time_s, diverged, speed_mps, distance_m, odometer_gap_m } = *ending;
+        if diverged {
             // The first one is told: whatever drives into it may follow.
             count(&mut self.diverged, id, At { time_s, found: speed_mps }, |_, _| false);
         }
@@ -188,12 +187,12 @@ impl Implausible {
 mod tests {
     use super::*;
 
-    fn ended(watch: &Watch, reason: Reason, distance_m: f64, odometer_gap_m: f64) -> Vec<String> {
+    fn ended(watch: &Watch, diverged: bool, distance_m: f64, odometer_gap_m: f64) -> Vec<String> {
         let mut implausible = Implausible::default();
         for (id, scale) in [("a", 1.0), ("b", 2.0), ("c", 0.5)] {
             let (id, odometer_gap_m) = (Arc::from(id), Some(scale * odometer_gap_m));
             let (time_s, speed_mps) = (60.0, f64::INFINITY);
-            implausible.note(&Ending { id: &id, watch, time_s, reason, speed_mps, distance_m, odometer_gap_m });
+            implausible.note(&Ending { id: &id, watch, time_s, diverged, speed_mps, distance_m, odometer_gap_m });
         }
         implausible.notes().collect()
     }
@@ -210,7 +209,7 @@ mod tests {
 
     #[test]
     fn what_any_vehicle_may_do_is_not_told() {
-        let told = |watch: &Watch, distance_m, gap_m| ended(watch, Reason::Arrived, distance_m, gap_m);
+        let told = |watch: &Watch, distance_m, gap_m| ended(watch, false, distance_m, gap_m);
         assert_eq!(told(&driven((0..9).map(|k| [99.0 * f64::from(k % 3 - 1), 0.0, 50.0])), 5000.0, 45.0), [""; 0]);
         assert_eq!(told(&Watch::default(), 20_000.0, 400.0), [""; 0]);
         let late = driven((0..20).map(|k| [0.0, -9.0, if k < 3 { 30.0 } else { 36.0 - 2.0 * f64::from(k) }]));
@@ -227,23 +226,20 @@ mod tests {
     fn each_kind_is_one_line_with_the_worst_vehicle_its_time_and_its_quantity() {
         let wild = driven([[-150.0, 0.0, 0.0], [220.04, 0.0, 0.0], [-180.0, 0.0, 0.0]]);
         assert_eq!(
-            ended(&wild, Reason::Running, 1000.0, 0.0),
+            ended(&wild, false, 1000.0, 0.0),
             ["implausible: 3 egos had a speed error of more than 100 m/s; the worst, \"a\" at 1 s: +220.0 m/s"]
         );
         let weak = driven((0..30).map(|k| [0.0, -4.5, 14.0 - 0.01 * f64::from(k)]));
-        let lines = ended(&weak, Reason::Running, 1000.0, 0.0);
+        let lines = ended(&weak, false, 1000.0, 0.0);
         let said = "implausible: 3 egos hardly braked; the worst, \"a\" up to 29 s: asked to brake for 30.0 s without a \
                     pause, it came from 14.0 to 13.7 m/s";
         assert!(lines.len() == 1 && lines[0].starts_with(said), "{lines:?}");
         let gap =
             "implausible: 3 egos drove another distance than SUMO's vehicles; the worst, \"b\" at 60 s: odometer gap";
+        assert_eq!(ended(&Watch::default(), false, 50_000.0, -2500.0), [format!("{gap} -5000 m after 50000 m")]);
+        assert_eq!(ended(&Watch::default(), false, 900.0, 250.0), [format!("{gap} +500 m after 900 m")]);
         assert_eq!(
-            ended(&Watch::default(), Reason::Arrived, 50_000.0, -2500.0),
-            [format!("{gap} -5000 m after 50000 m")]
-        );
-        assert_eq!(ended(&Watch::default(), Reason::Arrived, 900.0, 250.0), [format!("{gap} +500 m after 900 m")]);
-        assert_eq!(
-            ended(&Watch::default(), Reason::Diverged, 900.0, 0.0),
+            ended(&Watch::default(), true, 900.0, 0.0),
             [
                 "3 egos diverged (a state that is no number, or more than 200 m/s); the first, \"a\" at 60 s: V_x = inf m/s"
             ]

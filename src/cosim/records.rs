@@ -136,7 +136,7 @@ impl Records {
             id: ego.id(),
             watch: &ego.watch,
             time_s,
-            reason,
+            diverged: reason == Reason::Diverged,
             speed_mps: block.speed_mps(lane),
             distance_m,
             odometer_gap_m: ego.odometer_gap_m,

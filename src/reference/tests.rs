@@ -100,7 +100,7 @@ fn broken_files_say_where_what_and_what_else() {
         ("s_m,v_mps\n0,5\n1,1e400\n", ":3: v_mps: found \"1e400\", wanted a number"),
         ("s_m,v_mps\n0,5\n1,-inf\n", ":3: v_mps: found \"-inf\", wanted a number"),
         ("t,vx\n0,5\n1,5\nNaN,5\n", ":4: t: found \"NaN\", wanted a number"),
-        ("0;0\n1e-320;5\n2;10\n", ":2: v: found"),
+        ("0;0\n1e-320;5\n2;10\n", ":2: t: found 1e-320, wanted the same as in the row before"),
         ("# c\n\ns_m,v_mps\n0,5\n10,-1\n", ":5: v_mps: found -1, wanted a speed of at least 0"),
         ("s_m,v_mps\n0,5\n10,6\n9,6\n", ":4: s_m: found 9, wanted no less than the row before"),
         ("s_m,v_mps\n0,0\n10,6\n", ":2: v_mps: found 0, wanted a speed above 0 before the end"),

@@ -77,7 +77,7 @@ fn put_get(batch: &mut Batch, row: &Row, words: &Words, subscribed: Option<f64>)
         }};
     }
     let (text, number, whole) = (|i| words.text(i), |i: usize| words.numbers[i], words.whole[0]);
-    let far = if words.bytes[3] % 2 == 0 { Distance::Air } else { Distance::Driving };
+    let far = if words.bytes[3].is_multiple_of(2) { Distance::Air } else { Distance::Driving };
     let compound = |items: Vec<Read>| Some(Read::Compound(items));
     let (t, n, p) = (|i| words.read_text(i), |i| words.read_number(i), |i| words.read_place(i));
     match row.parameter {
