@@ -114,7 +114,9 @@ fn parquet_rows(path: &Path) -> Result<Rows, SumoFileError> {
     let damaged = |what: String| content(path, 1, format!("no Parquet file as SUMO writes it: {what}"));
     // The crate believes lengths that stand in the file, and panics at some of those that cannot be.
     let read = std::panic::catch_unwind(|| rows_of_parquet(path));
-    read.map_err(|_| damaged("it is damaged".to_owned()))?.map_err(|error| damaged(error.to_string()))
+    // Behind the first sentence the crate tells programmers what it had in hand.
+    let first = |error: &ParquetError| error.to_string().split(['.', '{', '[']).next().unwrap_or_default().to_owned();
+    read.map_err(|_| damaged("it is damaged".to_owned()))?.map_err(|error| damaged(first(&error)))
 }
 
 fn rows_of_parquet(path: &Path) -> Result<Rows, ParquetError> {
