@@ -6,9 +6,10 @@ SHELL := /bin/bash
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
 gains ?= 2
-fuzz_s ?= 60
 chaos_seed ?= 1
 chaos_n ?= 320
+fuzz_cases ?= 1000000
+fuzz_seed ?= 1
 
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
@@ -52,10 +53,8 @@ chaos: setup-test ## Strike runs at random times chaos_n=320 times: kills, cut s
 day: setup-test ## A day of simulated time with 200 vehicles on the road: memory, open files, clock, odometer (ten minutes)
 	cargo test --release --locked --test memory -- --ignored --nocapture law_a_day
 
-fuzz: ## Feed SUMO's recorded answers, changed at random, to the decoder for fuzz_s=60 seconds (nightly Rust)
-	@cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "make fuzz needs: rustup toolchain install nightly && cargo install cargo-fuzz --locked" >&2; exit 1; }
-	@mkdir -p fuzz/corpus/decoder
-	cargo +nightly fuzz run decoder fuzz/corpus/decoder tests/data/traci/replies -- -max_total_time=$(fuzz_s)
+fuzz: ## Changed files against everything that reads them; fuzz_cases=10000000 takes a night, fuzz_seed=2 makes other cases
+	SUMO_MFC_FUZZ_CASES=$(fuzz_cases) SUMO_MFC_FUZZ_SEED=$(fuzz_seed) cargo test --release --locked --test fuzz -- --nocapture
 
 bench: ## The benchmarks, one line per figure; the last against real SUMO at up to 20 000 cars (half an hour)
 	.ci/with-sumo cargo bench --locked

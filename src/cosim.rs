@@ -33,6 +33,7 @@ mod leader;
 mod observation;
 mod places;
 mod platoon;
+mod plausible;
 mod question;
 mod readings;
 mod records;

@@ -4,8 +4,14 @@ use crate::registry::nearest;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// A deeper path has no likeness anywhere, and each of its folders would be looked for.
+const DEPTH_MAX: usize = 100;
+
 /// "; did you mean scenarios/demo.toml?" where something with a name like that is there, else nothing.
 pub fn did_you_mean(path: &Path) -> String {
+    if path.components().count() > DEPTH_MAX {
+        return String::new();
+    }
     match existing(path).filter(|meant| meant != path) {
         Some(meant) => format!("; did you mean {}?", meant.display()),
         None => String::new(),
@@ -53,5 +59,10 @@ mod tests {
             let wanted = meant.map_or(String::new(), |meant| format!("; did you mean {}?", path(meant).display()));
             assert_eq!(did_you_mean(&path(typed)), wanted, "{typed}");
         }
+        assert_eq!(
+            did_you_mean(&path(&"a/".repeat(100_000))),
+            "",
+            "each folder of it costs a look and some of the stack"
+        );
     }
 }

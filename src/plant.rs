@@ -21,7 +21,7 @@ use crate::keys;
 use crate::keys::{Keys, NoKeys, Values};
 use crate::registry::Entry;
 pub use actuator::{Actuated, ActuatorKeys, Actuators, DEAD_TIME_MAX_S};
-pub use block::{Inputs, Plant, PlantBlock, State};
+pub use block::{FASTEST_MPS, Inputs, Plant, PlantBlock, State};
 pub use body::{BODIES, Body, BodyKeys, BuildBody, preset};
 pub use kernel::SevenDof;
 use std::sync::{Arc, LazyLock};

@@ -1,4 +1,4 @@
-//! Any bytes as SUMO's answer: `make fuzz`.
+//! Any bytes as SUMO's answer, guided by coverage: `cargo +nightly fuzz run decoder fuzz/corpus/decoder tests/data/traci/replies`.
 #![no_main]
 
 #[path = "../../tests/traci_wire/harness.rs"]

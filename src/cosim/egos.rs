@@ -3,6 +3,7 @@
 use super::creep::Creep;
 use super::leader::Leader;
 use super::platoon::Follower;
+use super::plausible::Watch;
 use super::question::Object;
 use crate::fleet::Slot;
 use crate::traci::Color;
@@ -52,6 +53,8 @@ pub struct Ego {
     pub follower: Follower,
     /// Whether it creeps.
     pub creep: Creep,
+    /// Whether it does what no vehicle can.
+    pub watch: Watch,
     /// Desired time headway before the scenario changed it \[s\].
     pub headway_before_s: Option<f64>,
     /// The one that it is given in place of that \[s\].

@@ -1,5 +1,7 @@
 //! What a SUMO step says about the traffic as a whole.
 
+use std::collections::HashSet;
+
 /// Events of one SUMO step. Ids are SUMO's.
 #[derive(Debug, Clone, Default)]
 pub struct Events {
@@ -13,6 +15,10 @@ pub struct Events {
     pub arrived: Vec<String>,
     /// Vehicles of which a teleport began.
     pub teleported: Vec<String>,
+    /// Vehicles that a teleport has put down which had begun before anybody looked on.
+    pub found: Vec<String>,
+    /// Vehicles that are being carried, since [`Events::note_teleports`] has been told so.
+    pub carried: HashSet<String>,
     /// True if vehicles touch, or are nearer than their smallest gap.
     pub colliding: bool,
     /// The pairs of these vehicles: collider, victim.
@@ -22,15 +28,43 @@ pub struct Events {
 impl Events {
     /// Forgets the events of the last step; time and number of vehicles stay.
     pub fn clear(&mut self) {
-        for list in [&mut self.departed, &mut self.arrived, &mut self.teleported] {
+        for list in [&mut self.departed, &mut self.arrived, &mut self.teleported, &mut self.found] {
             list.clear();
         }
         self.colliding = false;
         self.collisions.clear();
     }
 
+    /// Takes the vehicles of which a teleport began, and those that were put down.
+    pub fn note_teleports(&mut self, began: Vec<String>, ended: Vec<String>) {
+        self.carried.extend(began.iter().cloned());
+        self.found = ended.into_iter().filter(|id| !self.carried.remove(id)).collect();
+        self.carried.retain(|id| !self.arrived.contains(id));
+        self.teleported = began;
+    }
+
     /// True if nobody collided or teleported. Then what SUMO shows of one vehicle says nothing about another.
     pub fn is_quiet(&self) -> bool {
         !self.colliding && self.teleported.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_is_put_down_without_having_been_taken_up_is_found() {
+        let ids = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+        let mut events = Events::default();
+        events.note_teleports(ids(&["a", "b"]), ids(&["b", "early"]));
+        assert_eq!((&events.teleported, &events.found), (&ids(&["a", "b"]), &ids(&["early"])));
+        events.clear();
+        events.note_teleports(Vec::new(), ids(&["a"]));
+        assert_eq!((&events.teleported, &events.found), (&ids(&[]), &ids(&[])));
+        // Who arrives on the way is forgotten: the id may come again, in a state that is loaded.
+        events.arrived = ids(&["c"]);
+        events.note_teleports(ids(&["c"]), Vec::new());
+        assert!(events.carried.is_empty());
     }
 }

@@ -2,6 +2,7 @@
 
 use super::egos::Ego;
 use super::platoon::StringGain;
+use super::plausible::{Ending, Implausible};
 use super::roads::Roads;
 use crate::fleet::Fleet;
 use crate::stats::{DriveQuality, VehicleStats};
@@ -21,7 +22,7 @@ pub enum Reason {
     Collided,
     /// SUMO teleported it and it never came back.
     TeleportedOut,
-    /// Its plant left the range of sensible states.
+    /// Its plant left the range of sensible states ([`crate::plant::FASTEST_MPS`]).
     Diverged,
     /// The run broke off.
     Incomplete,
@@ -108,6 +109,8 @@ pub struct Counters {
     pub refused: Told,
     /// Egos of less than half or more than twice the mass that preset and vType give.
     pub odd_masses: Told,
+    /// What egos did that no vehicle does.
+    pub implausible: Implausible,
 }
 
 /// Vehicles of which something is to be told.
@@ -146,6 +149,16 @@ impl Records {
         let (slot, lane) = (ego.slot, ego.slot.lane());
         let block = fleet.block_mut(slot);
         let (distance_m, quality) = (block.distance_m(lane), block.quality(lane));
+        let ending = Ending {
+            id: ego.id(),
+            watch: &ego.watch,
+            time_s,
+            diverged: reason == Reason::Diverged,
+            speed_mps: block.speed_mps(lane),
+            distance_m,
+            odometer_gap_m: ego.odometer_gap_m,
+        };
+        self.counters.implausible.note(&ending);
         if let Some(road) = ego.road {
             let sums = block.take_sums(lane);
             self.roads.add(road, &sums);

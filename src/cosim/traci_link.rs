@@ -257,23 +257,24 @@ type Ids = Var<Vec<String>>;
 
 /// What reports the events of a step: time, vehicles that are still expected, departures, arrivals, teleports, vehicles
 /// in collisions.
-const EVENTS: (Var<f64>, Var<i32>, Ids, Ids, Ids, Ids) = (
+const EVENTS: (Var<f64>, Var<i32>, Ids, Ids, Ids, Ids, Ids) = (
     simulation::TIME,
     simulation::EXPECTED,
     simulation::DEPARTED,
     simulation::ARRIVED,
     simulation::TELEPORT_START,
+    simulation::TELEPORT_END,
     simulation::COLLIDING,
 );
 
 /// Reads a block about the simulation, unless it is another client's.
 fn note_events(block: &Block<'_>, events: &mut Events) -> Result<(), CosimError> {
-    if let Subscribed::Own((time_s, expected, departed, arrived, teleported, colliding)) = block.read(EVENTS)? {
+    if let Subscribed::Own((time_s, expected, departed, arrived, began, ended, colliding)) = block.read(EVENTS)? {
         events.time_s = time_s.unwrap_or(events.time_s);
         events.expected = expected.unwrap_or(events.expected);
         events.departed = departed.unwrap_or_default();
         events.arrived = arrived.unwrap_or_default();
-        events.teleported = teleported.unwrap_or_default();
+        events.note_teleports(began.unwrap_or_default(), ended.unwrap_or_default());
         events.colliding = !colliding.unwrap_or_default().is_empty();
     }
     Ok(())

@@ -16,6 +16,7 @@ use super::leader::Leader;
 use super::observation::EgoQuestion;
 use super::places::{Place, places};
 use super::platoon::Follower;
+use super::plausible::Watch;
 use super::question::NoAnswer;
 use super::readings::{ReadingQuestion, Readings};
 use super::records::{Finished, Reason, Records};
@@ -208,6 +209,7 @@ impl<S: Sumo> World<S> {
                 keeps_plan: action_step_s > 1.5 * self.step_s,
                 follower: Follower::default(),
                 creep: Creep::default(),
+                watch: Watch::default(),
                 headway_before_s: departed.headway_s,
                 headway_s,
                 imperfection_before: departed.imperfection,
@@ -297,7 +299,9 @@ impl<S: Sumo> World<S> {
                 ego.teleported = true;
             }
         }
-        self.admission.wait(self.events.departed.drain(..));
+        let found = std::mem::take(&mut self.events.found);
+        counters.present += found.len() as u64;
+        self.admission.wait(self.events.departed.drain(..).chain(found));
         for id in std::mem::take(&mut self.events.arrived) {
             self.admission.forget(&id);
             if let Some(ego) = self.egos.find(&id) {
@@ -343,6 +347,7 @@ impl<S: Sumo> World<S> {
             let (block, lane) = (self.fleet.block(*slot), slot.lane());
             if ego.presence == Presence::Driving {
                 ego.creep.note(block.speed_mps(lane), self.step_s);
+                ego.watch.note(block, lane, self.step_s, self.events.time_s);
             }
             if !block.is_sound(lane) {
                 self.end(*slot, Reason::Diverged);

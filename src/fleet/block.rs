@@ -301,9 +301,9 @@ impl Block {
         self.inputs.torque_nm[slot]
     }
 
-    /// False if a state of the slot is not finite.
+    /// False if the slot's vehicle has diverged.
     pub fn is_sound(&self, slot: usize) -> bool {
-        self.plant.is_finite(slot)
+        self.plant.is_sensible(slot)
     }
 
     /// What the statistics of a slot say so far.

@@ -8,6 +8,9 @@ use crate::columns::{Slots, columns};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::trig::{self, Libm};
 
+/// Faster than any road vehicle: a body that drives so has diverged [m/s].
+pub const FASTEST_MPS: f64 = 200.0;
+
 /// State of motion of one vehicle.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct State {
@@ -140,13 +143,13 @@ impl PlantBlock {
         self.set_state(slot, &State::default());
     }
 
-    /// True while every state of the slot is a finite number.
-    pub fn is_finite(&self, slot: usize) -> bool {
+    /// True while every state of the slot is a finite number, and its vehicle not faster than [`FASTEST_MPS`].
+    pub fn is_sensible(&self, slot: usize) -> bool {
         let state = self.state(slot);
-        [state.vx_mps, state.vy_mps, state.yaw_rate_radps, self.distance_m[slot]]
-            .iter()
-            .chain(&state.wheel_speed_radps)
-            .all(|value| value.is_finite())
+        let is_slow_enough = state.vx_mps.abs() <= FASTEST_MPS;
+        let others = [state.vx_mps, state.vy_mps, state.yaw_rate_radps, self.distance_m[slot]];
+        let mut states = others.iter().chain(&state.wheel_speed_radps);
+        is_slow_enough && states.all(|value| value.is_finite())
     }
 
     /// Slip ratios τ of front and rear axle of a slot, mean of left and right, at the steer angle `steer_rad`.

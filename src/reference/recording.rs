@@ -158,6 +158,16 @@ fn plain(table: &Table, at: &Column, by: Axis) -> Result<Read, ReferenceError> {
         if row > 0 && at.values[row] < at.values[row - 1] {
             return Err(table.error(row, at, "no less than the row before"));
         }
+        if row > 0 && at.values[row] > at.values[row - 1] {
+            let change = speed.values[row] - speed.values[row - 1];
+            if !(change / (at.values[row] - at.values[row - 1])).is_finite() {
+                return Err(table.error(
+                    row,
+                    at,
+                    "the same as in the row before, or so much more that the slope is finite",
+                ));
+            }
+        }
         if speed.values[row] < 0.0 {
             return Err(table.error(row, speed, "a speed of at least 0"));
         }

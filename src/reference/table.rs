@@ -226,7 +226,11 @@ impl Table {
 
     /// An error about a value of a row.
     pub fn error(&self, row: usize, column: &Column, wanted: &str) -> ReferenceError {
-        self.content(self.lines[row], &column.name, &column.values[row].to_string(), wanted)
+        let value = column.values[row];
+        // Without an exponent some have hundreds of digits.
+        let is_plain = value == 0.0 || (1e-6..1e15).contains(&value.abs());
+        let found = if is_plain { value.to_string() } else { format!("{value:e}") };
+        self.content(self.lines[row], &column.name, &found, wanted)
     }
 
     /// The error about a column that is missing.

@@ -158,9 +158,9 @@ impl Places {
         let depart_s = milliseconds(trip.map_or(noted_s, |trip| trip.depart_s));
         let taken_out = trip.and_then(|trip| trip.taken_out.as_deref());
         let reason = match (vehicle[self.reason].as_str(), taken_out) {
-            // TraCI calls all of them arrived.
-            ("arrived", Some("collision")) => Reason::Collided.as_str(),
-            ("arrived", Some("teleport")) => Reason::TeleportedOut.as_str(),
+            // TraCI calls all of them arrived, or (SUMO 1.15) nothing at all.
+            ("arrived" | "removed", Some("collision")) => Reason::Collided.as_str(),
+            ("arrived" | "removed", Some("teleport")) => Reason::TeleportedOut.as_str(),
             ("arrived", Some(_)) => Reason::Removed.as_str(),
             (reason, _) => reason,
         }

@@ -195,6 +195,7 @@ fn notes(counters: &Counters, egos: u64) -> Vec<String> {
     if let Some(first) = &counters.refused.first {
         notes.push(format!("{} vehicles cannot be egos; the first, {first}", counters.refused.count));
     }
+    notes.extend(counters.implausible.notes());
     if let Some(first) = &counters.odd_masses.first {
         notes.push(format!(
             "{} egos have less than half or more than twice the mass of their kind; the first, {first} (vehicle.mass_factor is relative)",

@@ -137,6 +137,9 @@ fn node(value: &Value, place: &Place) -> Node {
     }
 }
 
+/// The parts of a key, as many as a TOML file may nest tables.
+const PARTS_MAX: usize = 80;
+
 /// A value given on the command line: `shown` is the argument as typed, `path` a dotted TOML path.
 #[derive(Debug, Clone)]
 pub struct Override {
@@ -178,6 +181,11 @@ impl Override {
         let place = Place::argument(&self.shown);
         let node = Node::of_argument(&self.value, &place);
         let parts: Vec<&str> = self.path.split('.').map(str::trim).collect();
+        if parts.len() > PARTS_MAX {
+            let wanted = format!("a key of at most {PARTS_MAX} parts");
+            let what = Wrong::Value { found: format!("{} parts", parts.len()), wanted };
+            return Err(Mistake { place, key: format!("{}. ...", parts[0]), what });
+        }
         put(root, &parts, &self.path, Entry { node, place })
     }
 }

@@ -237,6 +237,13 @@ fn bare_configurations_and_networks_are_scenarios() {
 }
 
 #[test]
+fn a_key_of_endless_parts_is_refused() {
+    let set = format!("{}b=1", "a.".repeat(40_000));
+    let error = load_in(tempfile::tempdir().unwrap().path(), "", &[&set]).unwrap_err().to_string();
+    assert!(error.ends_with("a. ...: found 40001 parts, wanted a key of at most 80 parts"), "{error}");
+}
+
+#[test]
 fn overridden_stepping_is_announced_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.sumocfg");

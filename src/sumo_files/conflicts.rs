@@ -113,8 +113,8 @@ mod tests {
         };
         let text = [
             conflict("a", ["2.5", "3.1", "NA"]),
-            conflict("b", ["NA", "NA", "1.5"]),
-            conflict("a", ["0.7", "1.0", "NA"]),
+            conflict("b", ["nan", "-inf", "1.5"]),
+            conflict("a", ["0.7", "1.0", "inf"]),
         ];
         std::fs::write(&path, format!("<SSMLog>{}</SSMLog>", text.concat())).unwrap();
         let read = Conflicts::read(&path).unwrap();

@@ -60,8 +60,8 @@ pub fn network_roads(path: &Path) -> Result<Vec<NetworkRoad>, SumoFileError> {
 /// `x,y x,y ...`, or with heights `x,y,z`.
 fn shape(text: &str) -> Result<Vec<[f64; 2]>, String> {
     let corner = |word: &str| -> Option<[f64; 2]> {
-        let mut numbers = word.split(',').map(str::parse);
-        Some([numbers.next()?.ok()?, numbers.next()?.ok()?])
+        let mut numbers = word.split(',').map(|number| number.parse().ok().filter(|x: &f64| x.is_finite()));
+        Some([numbers.next()??, numbers.next()??])
     };
     let corners: Option<Vec<_>> = text.split_whitespace().map(corner).collect();
     corners.filter(|corners| !corners.is_empty()).ok_or_else(|| format!("shape=\"{text}\" is no list of places"))
@@ -92,6 +92,14 @@ mod tests {
     fn what_is_wrong_is_told_with_its_line() {
         let error = read("<net>\n<edge id=\"a\">\n<lane shape=\"0;0\"/></edge></net>").unwrap_err().to_string();
         assert!(error.contains("a.net.xml") && error.contains('3') && error.contains("0;0"), "{error}");
+        for corner in ["nan,0", "0,inf", "1e400,0", "0"] {
+            let error =
+                read(&format!("<net>\n<edge id=\"a\">\n<lane shape=\"0,0 {corner}\"/></edge></net>")).unwrap_err();
+            assert!(
+                error.to_string().ends_with(&format!(":3: shape=\"0,0 {corner}\" is no list of places")),
+                "{error}"
+            );
+        }
         assert!(read("<net><edge id=\"a\">").unwrap_err().to_string().contains("breaks off"));
     }
 }

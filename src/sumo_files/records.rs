@@ -27,10 +27,10 @@ impl Record<'_> {
         (self.attribute)(name).filter(|value| !value.is_empty())
     }
 
-    /// An attribute that must be a number, or a time \[s\], human-readable ones too.
+    /// An attribute that must be a finite number, or a time \[s\], human-readable ones too.
     pub fn number(&self, name: &str) -> Result<f64, String> {
         let value = self.text(name).ok_or_else(|| format!("no {name}"))?;
-        seconds(&value).ok_or_else(|| format!("{name}=\"{value}\" is no number"))
+        seconds(&value).filter(|x| x.is_finite()).ok_or_else(|| format!("{name}=\"{value}\" is no number"))
     }
 }
 
@@ -55,7 +55,7 @@ pub(super) fn each(
         return Ok(false);
     }
     if begins.is_ok() && &magic == b"PAR1" {
-        return columns(path, elements, parquet_rows(path).map_err(|e| content(path, 1, e.to_string()))?, &mut visit);
+        return columns(path, elements, parquet_rows(path)?, &mut visit);
     }
     if !is_xml(path)? {
         return columns(path, elements, csv_rows(path)?, &mut visit);
@@ -110,7 +110,16 @@ fn csv_rows(path: &Path) -> Result<Rows, SumoFileError> {
     rows.collect()
 }
 
-fn parquet_rows(path: &Path) -> Result<Rows, ParquetError> {
+fn parquet_rows(path: &Path) -> Result<Rows, SumoFileError> {
+    let damaged = |what: String| content(path, 1, format!("no Parquet file as SUMO writes it: {what}"));
+    // The crate believes lengths that stand in the file, and panics at some of those that cannot be.
+    let read = std::panic::catch_unwind(|| rows_of_parquet(path));
+    // Behind the first sentence the crate tells programmers what it had in hand.
+    let first = |error: &ParquetError| error.to_string().split(['.', '{', '[']).next().unwrap_or_default().to_owned();
+    read.map_err(|_| damaged("it is damaged".to_owned()))?.map_err(|error| damaged(first(&error)))
+}
+
+fn rows_of_parquet(path: &Path) -> Result<Rows, ParquetError> {
     let reader = SerializedFileReader::try_from(path)?;
     let rows = reader.get_row_iter(None)?.map(|row| {
         let row = row?;

@@ -119,3 +119,50 @@ fn trip(record: &Record<'_>) -> Result<(String, TripInfo), String> {
     };
     Ok((record.text("id").ok_or("no id")?, trip))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_that_are_none_are_refused_or_missing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.xml");
+        let trip = |duration: &str, waiting: &str| {
+            let numbers = "arrival=\"9\" depart=\"0\" timeLoss=\"0\" routeLength=\"1\"";
+            let text =
+                format!("<t>\n<tripinfo id=\"a\" {numbers} duration=\"{duration}\" waitingTime=\"{waiting}\"/></t>");
+            std::fs::write(&path, text).unwrap();
+            Trips::read(&path).map(|trips| trips.all().next().unwrap().waiting_time_s)
+        };
+        assert_eq!(trip("9", "1").unwrap(), Some(1.0));
+        for none in ["nan", "-inf", "1e400", "1:nan:0"] {
+            assert_eq!(trip("9", none).unwrap(), None);
+            let error = trip(none, "1").unwrap_err().to_string();
+            assert!(error.ends_with(&format!("a.xml:2: duration=\"{none}\" is no number in tripinfo")), "{error}");
+        }
+    }
+
+    /// A byte of SUMO's own Parquet file is another one: some of these lengths make the crate panic.
+    #[test]
+    fn damaged_parquet_files_are_errors() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.parquet");
+        let whole = include_bytes!("../../tests/data/fuzz/tripinfo.parquet");
+        let read = |bytes: &[u8]| {
+            std::fs::write(&path, bytes).unwrap();
+            Trips::read(&path)
+        };
+        assert_eq!(read(whole).unwrap().all().count(), 1);
+        let damaged = (4..whole.len()).step_by(3).filter(|at| {
+            let mut bytes = whole.to_vec();
+            bytes[*at] ^= 0x81;
+            read(&bytes).is_err_and(|error| {
+                let said = error.to_string();
+                assert!(!said.contains("Some(") && !said.contains('{'), "for programmers: {said}");
+                said.contains("a.parquet:")
+            })
+        });
+        assert!(damaged.count() > 100);
+    }
+}

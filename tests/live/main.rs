@@ -17,6 +17,7 @@ mod quality;
 mod session;
 mod settings;
 mod step;
+mod strange;
 mod support;
 mod trace;
 mod tyres;

@@ -4,6 +4,8 @@
 //! `cargo test --test traci_wire record -- --ignored`.
 
 mod harness;
+mod requests;
+mod sumo_reader;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
