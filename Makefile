@@ -31,9 +31,9 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour)
 	cargo test --release --locked --test matrix -- --ignored --nocapture
 
-tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in eleven conditions (an hour)
+tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in eleven conditions (ten minutes)
 	cargo build --release --locked
-	target/release/sumo-mfc tune scenarios/tuning.toml -o out/tuning --gains $(gains) \
+	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning --gains $(gains) --trials 60 \
 	  --train scenarios/paper/data/udds.csv --test scenarios/paper/data/hwfet.csv scenarios/paper/data/racing_lap.csv \
 	  --condition "as it is:" \
 	  --condition "noise of -6 dB: noise.power_db=-6" \

@@ -14,8 +14,10 @@
 mod arguments;
 mod help;
 mod pages;
+mod shared;
 mod study;
 mod tables;
+mod tuning;
 
 use std::{
     io::{ErrorKind, IsTerminal, Write},
@@ -23,10 +25,11 @@ use std::{
     process::ExitCode,
 };
 
-use arguments::{CheckArgs, Cli, Command, ListArgs, ManArgs, PaperArgs, ReportArgs, RunArgs, TuneArgs};
+use arguments::{CheckArgs, Cli, Command, ListArgs, ManArgs, PaperArgs, ReportArgs, RunArgs};
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
 use tracing::level_filters::LevelFilter;
+use tuning::TuneArgs;
 
 use crate::{
     doctor, map,

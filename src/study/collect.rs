@@ -152,11 +152,15 @@ impl Tables {
         let (cases, comparison) = (case_layout(&plan.keys), comparison_layout(&plan.keys));
         write_table(&plan.dir.join("cases.csv"), &cases, &self.cases)?;
         write_table(&plan.dir.join("comparison.csv"), &comparison, &self.comparison)?;
-        let schema = study_schema(&plan.keys, |folder| plan.dir.join(folder).is_dir());
+        // A study has the same tables and schema whoever ran it: what a cluster leaves behind is not listed.
+        let schema = study_schema(&plan.keys, |folder| folder != SLURM && plan.dir.join(folder).is_dir());
         write_json(&plan.dir.join("schema.json"), &schema)?;
         Ok(())
     }
 }
+
+/// The folder of what was submitted to a cluster.
+const SLURM: &str = "slurm/";
 
 /// The schema of a study that varies these keys; `has` says which of the folders are there that not every study has.
 pub fn study_schema(keys: &[String], has: impl Fn(&str) -> bool) -> Schema {
@@ -171,7 +175,7 @@ pub fn study_schema(keys: &[String], has: impl Fn(&str) -> bool) -> Schema {
     ];
     let some = [
         ("warm_up/", file("The states of SUMO that the cases load").when("with a warm-up")),
-        ("slurm/", file("What was submitted to a cluster, and the logs of its tasks").when("with `--executor slurm`")),
+        (SLURM, file("What was submitted to a cluster, and the logs of its tasks").when("with `--executor slurm`")),
     ];
     Schema::new(files.into_iter().chain(some.into_iter().filter(|(name, _)| has(name))))
 }

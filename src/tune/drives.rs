@@ -2,7 +2,7 @@
 
 use super::error::TuneError;
 use super::gains::Gain;
-use super::{Condition, Request};
+use super::request::{Condition, Request};
 use crate::offline::{End, OfflineError, Outcome, Road, Trip};
 use crate::reference::Profile;
 use crate::scenario::{self, Catalog, Override, Scenario};

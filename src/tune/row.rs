@@ -1,7 +1,7 @@
 //! `tune.csv`: a row per condition and law.
 
-use super::Tuned;
 use super::drives::Trial;
+use super::tuned::Tuned;
 use crate::study::Estimate;
 use crate::table::{Layout, record};
 

@@ -6,8 +6,8 @@ use crate::support::{NEW, Running, program, repository};
 
 const HEAD: &str = "# The command line
 
-What `sumo-mfc help COMMAND` prints. `sumo-mfc completions SHELL` and `sumo-mfc man` make completions and manual pages of the same. This page
-is made by `UPDATE=1 cargo test --test docs command_line`.
+What `sumo-mfc help` prints of each command. `sumo-mfc completions bash` and `sumo-mfc man` make completions and manual pages of the same. This
+page is made by `UPDATE=1 cargo test --test docs command_line`.
 ";
 
 fn help(of: &str) -> String {
@@ -28,7 +28,7 @@ fn page() -> String {
     let names = names.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help");
     let mut page = format!("{HEAD}\n```text\n{main}```\n");
     for name in names {
-        write!(page, "\n## `sumo-mfc {name}`\n\n```text\n{}```\n", help(name)).unwrap();
+        write!(page, "\n## {name}\n\n```text\n{}```\n", help(name)).unwrap();
     }
     page
 }

@@ -1,0 +1,18 @@
+//! A law after its search.
+
+use super::drives::{Drives, Trial};
+use super::gains::Gain;
+use super::request::Condition;
+
+/// A law in a condition, tuned.
+pub struct Tuned<'a> {
+    pub condition: &'a Condition,
+    pub controller: &'a str,
+    pub gains: Vec<Gain>,
+    /// The best values of the gains.
+    pub best: Vec<f64>,
+    pub trials: usize,
+    /// What they cost on the recordings to tune on.
+    pub train: Trial,
+    pub drives: Drives<'a>,
+}
