@@ -6,7 +6,7 @@ use crate::support::{NEW, Running, program, repository};
 
 const HEAD: &str = "# The command line
 
-What `sumo-mfc help run` prints, and so on for each command. `sumo-mfc completions bash` and `sumo-mfc man` make completions and manual pages of the same. This
+What `sumo-mfc run --help` prints, and so on for each command. `sumo-mfc completions bash` and `sumo-mfc man` make completions and manual pages of the same. This
 page is made by `UPDATE=1 cargo test --test docs command_line`.
 ";
 
