@@ -123,13 +123,13 @@ pub fn register<B>(
 /// The candidate nearest to `name`, if it is near enough to be what was meant.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
-    // At least so many letters differ; a long name would be compared with every candidate for seconds.
-    let may_be = |c: &&str| length.abs_diff(c.chars().count()) <= (c.len().max(name.len()) / 3).max(1);
+    let is_near = |distance: usize, c: &str| distance <= (c.len().max(name.len()) / 3).max(1);
     candidates
         .into_iter()
-        .filter(may_be)
+        // At least so many letters differ; a long name would be compared with every candidate for seconds.
+        .filter(|c| is_near(length.abs_diff(c.chars().count()), c))
         .map(|c| (strsim::damerau_levenshtein(&name.to_lowercase(), &c.to_lowercase()), c))
-        .filter(|(d, c)| *d <= (c.len().max(name.len()) / 3).max(1))
+        .filter(|(d, c)| is_near(*d, c))
         .min_by_key(|(d, _)| *d)
         .map(|(_, c)| c)
 }

@@ -39,12 +39,11 @@ mod warming;
 mod work;
 
 pub use case::State;
-pub use collect::{Tables, Turn, case_layout, collect, study_schema};
+pub use collect::{Tables, Turn, collect, study_schema};
 pub use comparison::{ComparisonRow, comparison_layout, key_columns};
 pub use definition::{Arguments, Definition, file_keys};
 pub use error::StudyError;
 pub use executor::EXECUTORS;
-pub use joined::joined_layout;
 pub use metrics::{METRIC_COUNT, METRICS, Metric};
 pub use plan::{Case, Plan};
 pub use setting::{Setting, settings};

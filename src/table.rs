@@ -241,9 +241,4 @@ impl<R: 'static> Layout<R> {
     pub fn place(&self, column: &str) -> Option<usize> {
         self.shape.columns.iter().position(|c| c.name == column)
     }
-
-    /// The columns, each with its values in `rows`.
-    pub fn values<'r>(&self, rows: &'r [R]) -> impl Iterator<Item = (&Column, impl Iterator<Item = Cell<'r>>)> {
-        self.shape.columns.iter().zip(&self.reads).map(move |(column, read)| (column, rows.iter().map(read)))
-    }
 }

@@ -64,6 +64,24 @@ fn every_law_gets_the_same_and_becomes_better() {
 }
 
 #[test]
+fn what_judges_has_other_noise_than_what_was_tuned_on() {
+    let folder = folder();
+    let same = |noise: &str| {
+        let set = format!("noise.power_db={noise}");
+        let mut command = Command::cargo_bin("sumo-mfc").unwrap();
+        command.current_dir(folder.path()).args(["tune", "--train", "a.csv", "--test", "a.csv", "--set", &set]);
+        let output =
+            command.args(["--controllers", "pid", "--seeds", "3", "--trials", "3", "--export", "json"]).output();
+        let rows: serde_json::Value = serde_json::from_slice(&output.unwrap().stdout).unwrap();
+        ["train_rms", "test_rms"].map(|column| rows[0][column].as_f64().unwrap())
+    };
+    let [train, test] = same("-12");
+    assert!(train != test && (test / train - 1.0).abs() < 0.3, "{train}, {test}");
+    let [train, test] = same("-200");
+    assert!((test / train - 1.0).abs() < 1e-6, "without noise there is no difference: {train}, {test}");
+}
+
+#[test]
 fn law_a_law_beside_itself_has_a_ratio_of_one() {
     let folder = folder();
     let rows = rows(folder.path(), &["--controllers", "pid,pid", "--set", "noise.power_db=-12", "--trials", "9"]);

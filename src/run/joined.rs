@@ -342,6 +342,27 @@ mod tests {
     }
 
     #[test]
+    fn sumo_says_why_it_took_a_vehicle_out_whatever_traci_called_it() {
+        let of = |reason: Reason, taken_out: Option<&str>| {
+            let rows = [VehicleRow { reason, ..vehicle("a", 5.0) }];
+            let joined = joined(&rows, &[("a", trip(5.0, None, taken_out))]);
+            columns(&joined, ["reason"; 5])[0][0].clone()
+        };
+        for (reason, taken_out, wanted) in [
+            (Reason::Arrived, Some("collision"), "collided"),
+            (Reason::Removed, Some("collision"), "collided"),
+            (Reason::Arrived, Some("teleport"), "teleported_out"),
+            (Reason::Removed, Some("teleport"), "teleported_out"),
+            (Reason::Arrived, Some("calibrator"), "removed"),
+            (Reason::Removed, Some("calibrator"), "removed"),
+            (Reason::Diverged, Some("collision"), "diverged"),
+            (Reason::Arrived, None, "arrived"),
+        ] {
+            assert_eq!(of(reason, taken_out), wanted, "{reason:?}, {taken_out:?}");
+        }
+    }
+
+    #[test]
     fn law_keys_are_ordered_as_the_files_are() {
         let times = [f64::NEG_INFINITY, -2.5, -0.0, 0.0, 1e-300, 7.0, 1e9];
         let keys: Vec<_> = times.iter().map(|time_s| by_departure(*time_s, &by_id("x", 0))).collect();

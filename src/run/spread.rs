@@ -19,16 +19,7 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// The exact numbers of `values`; `None` if there are none. Quantiles interpolate between neighbours (Hyndman and
-    /// Fan 1996, type 7; the default of NumPy, pandas and R).
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let mut values: Vec<f64> = values.into_iter().collect();
-        values.sort_by(f64::total_cmp);
-        let (count, sorted) = (values.len(), values.into_iter().map(Ok));
-        Self::of_sorted(count, sorted).expect("numbers in memory can be read")
-    }
-
-    /// The same of `count` values of which the smallest comes first, wherever they come from.
+    /// Of `count` values of which the smallest comes first, wherever they come from; none has none.
     pub(super) fn of_sorted(count: usize, sorted: impl Iterator<Item = io::Result<f64>>) -> io::Result<Option<Self>> {
         if count == 0 {
             return Ok(None);
@@ -61,18 +52,23 @@ impl Spread {
 mod tests {
     use super::*;
 
+    fn of(mut values: Vec<f64>) -> Option<Spread> {
+        values.sort_by(f64::total_cmp);
+        Spread::of_sorted(values.len(), values.into_iter().map(Ok)).unwrap()
+    }
+
     #[test]
     fn val_numpy() {
         // numpy.percentile([3, 1, 4, 1, 5, 9, 2, 6], [5, 50, 95]) = [1.0, 3.5, 7.95]; mean 3.875.
-        let spread = Spread::of([3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0]).unwrap();
+        let spread = of(vec![3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0, 6.0]).unwrap();
         assert_eq!((spread.p05, spread.p50, spread.mean, spread.max), (1.0, 3.5, 3.875, 9.0));
         assert!((spread.p95 - 7.95).abs() < 1e-12);
     }
 
     #[test]
     fn law_one_value_is_all_its_quantiles_and_none_has_none() {
-        let spread = Spread::of([2.5]).unwrap();
+        let spread = of(vec![2.5]).unwrap();
         assert_eq!([spread.mean, spread.p05, spread.p50, spread.p95, spread.max], [2.5; 5]);
-        assert_eq!(Spread::of([]), None);
+        assert_eq!(of(Vec::new()), None);
     }
 }

@@ -2,6 +2,7 @@
 //! (<https://sumo.dlr.de/docs/Simulation/Output/SSM_Device.html>), SUMO 1.15 to 1.28.
 
 use super::error::SumoFileError;
+use super::network::place;
 use super::records;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,17 +50,12 @@ pub fn each_conflict(path: &Path, mut visit: impl FnMut(Conflict)) -> Result<(),
         // The first measure that has a value says when and where: TTC before DRAC before PET.
         if conflict.place.is_none() {
             conflict.time_s = record.number("time").ok();
-            conflict.place = record.text("position").and_then(|text| point(&text));
+            conflict.place = record.text("position").and_then(|text| place(&text));
         }
         Ok(())
     })?;
     open.into_iter().for_each(visit);
     Ok(())
-}
-
-fn point(text: &str) -> Option<[f64; 2]> {
-    let mut numbers = text.split(',').map(|number| number.trim().parse().ok().filter(|x: &f64| x.is_finite()));
-    Some([numbers.next()??, numbers.next()??])
 }
 
 /// What the device of one vehicle saw.

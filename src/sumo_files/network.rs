@@ -57,13 +57,15 @@ pub fn network_roads(path: &Path) -> Result<Vec<NetworkRoad>, SumoFileError> {
     if xml.is_whole() { Ok(roads) } else { Err(xml.breaks_off()) }
 }
 
+/// `x,y`, or with a height `x,y,z`, as finite numbers.
+pub(super) fn place(text: &str) -> Option<[f64; 2]> {
+    let mut numbers = text.split(',').map(|number| number.parse().ok().filter(|x: &f64| x.is_finite()));
+    Some([numbers.next()??, numbers.next()??])
+}
+
 /// `x,y x,y ...`, or with heights `x,y,z`.
 fn shape(text: &str) -> Result<Vec<[f64; 2]>, String> {
-    let corner = |word: &str| -> Option<[f64; 2]> {
-        let mut numbers = word.split(',').map(|number| number.parse().ok().filter(|x: &f64| x.is_finite()));
-        Some([numbers.next()??, numbers.next()??])
-    };
-    let corners: Option<Vec<_>> = text.split_whitespace().map(corner).collect();
+    let corners: Option<Vec<_>> = text.split_whitespace().map(place).collect();
     corners.filter(|corners| !corners.is_empty()).ok_or_else(|| format!("shape=\"{text}\" is no list of places"))
 }
 

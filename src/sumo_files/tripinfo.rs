@@ -56,8 +56,6 @@ pub fn each_trip(
 pub struct Trips {
     /// The trips by vehicle, in the order of the file: an id may be used again once its vehicle has left.
     pub by_id: BTreeMap<String, VecDeque<TripInfo>>,
-    /// False if the file breaks off, because SUMO was killed: then the last trips are missing.
-    pub whole: bool,
 }
 
 impl Trips {
@@ -68,7 +66,7 @@ impl Trips {
     pub fn read(path: &Path) -> Result<Self, SumoFileError> {
         let mut trips = Self::default();
         let mut last = None;
-        trips.whole = records::each(path, &["tripinfo", "emissions"], |element, record| {
+        records::each(path, &["tripinfo", "emissions"], |element, record| {
             if element == "emissions" {
                 // They stand inside the trip that was read last.
                 let trip = last.as_ref().and_then(|id| trips.by_id.get_mut(id)?.back_mut());
@@ -89,13 +87,6 @@ impl Trips {
     /// All trips.
     pub fn all(&self) -> impl Iterator<Item = &TripInfo> {
         self.by_id.values().flatten()
-    }
-
-    /// Vehicles that arrived, and their mean time loss \[s\] if there are any.
-    pub fn arrivals(&self) -> (u64, Option<f64>) {
-        let losses = || self.all().filter(|t| t.arrival_s.is_some()).map(|t| t.time_loss_s);
-        let count = losses().count();
-        (count as u64, (count > 0).then(|| losses().sum::<f64>() / count as f64))
     }
 }
 

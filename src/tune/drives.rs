@@ -82,15 +82,16 @@ impl<'a> Drives<'a> {
         };
         request.overrides.extend(gains.iter().zip(values).map(set));
         let scenario = Scenario::load_offline(&request, self.catalog)?;
+        let roads = recordings.iter().map(|recording| Road::with_profile(&scenario, Arc::clone(&recording.profile)));
+        let roads: Vec<Road> = roads.collect::<Result<_, _>>()?;
         let mut trips: Vec<Trip> = Vec::new();
         for seed in 0..self.seeds {
-            for Recording { profile, begin_mps, end } in recordings {
-                let road = Road::with_profile(&scenario, Arc::clone(profile))?;
+            for (road, Recording { begin_mps, end, .. }) in roads.iter().zip(recordings) {
                 trips.push(road.trip(first + seed, *begin_mps, *end)?);
             }
         }
-        let road = Road::with_profile(&scenario, Arc::clone(&recordings[0].profile))?;
-        let outcomes = road.drive(&trips, |_| {});
+        // A trip has its own profile, so that all share the blocks of one road.
+        let outcomes = roads[0].drive(&trips, |_| {});
         let error = |outcome: &Outcome| outcome.stats.error_rms.filter(|e| outcome.finished && e.is_finite());
         let by_seed = outcomes.chunks(recordings.len()).map(|seed| seed.iter().map(error).collect());
         Ok(Trial { errors_mps: by_seed.collect() })

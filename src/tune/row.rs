@@ -78,8 +78,6 @@ pub fn row(law: &Tuned, here: Tested, once: Tested) -> TunedRow {
 }
 
 /// Four significant digits.
-fn rounded(value: f64) -> String {
-    let digits = (3.0 - libm::floor(libm::log10(value.abs().max(1e-12)))).clamp(0.0, 9.0) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -11,8 +11,8 @@ use sumo_mfc::run::repeated;
 use sumo_mfc::scenario::{Catalog, Override, Parameter, Request, Scenario, Selector, parameter_keys};
 use sumo_mfc::study::{Arguments, Definition};
 use sumo_mfc::sumo_files::{
-    Conflicts, Equipped, SumoStatistics, Trips, as_configured, incidents, is_network, left_out, network_roads, span_s,
-    sumo_arguments,
+    Conflicts, Equipped, SumoStatistics, Trips, as_configured, each_trip, incidents, is_network, left_out,
+    network_roads, span_s, sumo_arguments,
 };
 use tempfile::TempDir;
 
@@ -267,7 +267,15 @@ fn tripinfo(room: &Room, bytes: &[u8]) -> Judged {
         let optional = [trip.waiting_time_s, trip.waiting_count, trip.stop_time_s, trip.speed_factor];
         finite("a number", optional.into_iter().chain(trip.emissions).flatten())?;
     }
-    trips.arrivals();
+    // The same trips, one by one.
+    let mut count = 0;
+    let whole = each_trip(&path, |_, _| {
+        count += 1;
+        Ok(())
+    });
+    if whole.is_err() || count != trips.all().count() {
+        return Err(format!("each_trip has {count} trips, {whole:?}"));
+    }
     Ok(true)
 }
 
