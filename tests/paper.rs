@@ -445,6 +445,15 @@ fn law_the_maps_summary_is_what_its_cells_say() {
         let best = here.iter().filter(right).min_by(|a, b| a[6].total_cmp(&b[6])).unwrap();
         here.iter().find(|c| c[1] == best[1] && c[2] == best[2] && c[3] == factor).map(|c| c[6])
     };
+    // Both gains of every law, and the scale that it does not know, act.
+    for law in ["classic", "adaptive", "calibrating", "pid"] {
+        for gain in [1, 2, 3] {
+            let others = |c: &[f64]| -> Vec<f64> { (0..6).filter(|k| *k != gain).map(|k| c[k]).collect() };
+            let of_law = || cells.iter().filter(|(l, c)| *l == law && c[6].is_finite()).map(|(_, c)| c);
+            let differ = |a: &Vec<f64>, b: &Vec<f64>| others(a) == others(b) && a[gain] != b[gain] && a[6] != b[6];
+            assert!(of_law().any(|a| of_law().any(|b| differ(a, b))), "{law}: column {gain} does nothing");
+        }
+    }
     let summary = read("map_summary.csv");
     let mut compared = 0;
     for line in summary.lines().skip(1) {

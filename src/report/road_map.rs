@@ -17,6 +17,8 @@ const SMALL: usize = 4000;
 const DRAWN: usize = 500;
 /// A vehicle may stand beside the middle of its road by so much \[m\].
 const MARGIN_M: f64 = 50.0;
+/// A map on which degrees would all fall into a corner \[m\].
+const WIDE_M: f64 = 1000.0;
 
 /// The maps of all runs, with one scale of colour, for each column that the tables have.
 pub fn maps(runs: &[RunData], names: &[Option<&str>]) -> Vec<FigureView> {
@@ -111,13 +113,19 @@ fn kinds(incidents: &[&Incident]) -> String {
     counts.iter().map(|(kind, count)| format!("{count} x {kind}")).collect::<Vec<_>>().join(", ")
 }
 
-/// Conflicts at their places, the severest on top; those that are not on the map (`device.ssm.geo`) are left out.
+/// Conflicts at their places, the severest on top. Those beside the map are left out; so are all if none of them is anywhere on a
+/// wide map but within 180 m and 90 m of its origin: these are degrees (`device.ssm.geo`).
 fn conflict_events(network: &[NetworkRoad], conflicts: &[Conflict]) -> Vec<Event> {
     let corners = || network.iter().flat_map(|road| &road.shape);
     let ends = [0, 1].map(|k| {
         let [low, high] = [f64::min, f64::max].map(|choose| corners().map(|corner| corner[k]).reduce(choose));
         low.unwrap_or(0.0) - MARGIN_M..=high.unwrap_or(0.0) + MARGIN_M
     });
+    let places = || conflicts.iter().filter_map(|conflict| conflict.place);
+    let is_wide = ends.iter().any(|ends| ends.end() - ends.start() > WIDE_M);
+    if is_wide && places().all(|[x, y]| x.abs() <= 180.0 && y.abs() <= 90.0) {
+        return Vec::new();
+    }
     let event = |conflict: &Conflict| {
         let place = conflict.place.filter(|place| ends.iter().zip(place).all(|(ends, x)| ends.contains(x)))?;
         let measure = |name, value: Option<f64>, unit| value.map(|value| format!(", {name} {value:.2} {unit}"));
@@ -155,4 +163,27 @@ fn middle(shape: &[[f64; 2]]) -> [f64; 2] {
 fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conflicts_that_are_not_on_the_map_are_left_out_and_the_severest_is_on_top() {
+        let network = [NetworkRoad { edge: "a".into(), shape: vec![[0.0, 0.0], [1000.0, 500.0]] }];
+        let conflict = |ego: &str, place| Conflict { ego: ego.into(), foe: "z".into(), place, ..Conflict::default() };
+        let texts = |conflicts: &[Conflict]| -> Vec<String> {
+            conflict_events(&network, conflicts).into_iter().map(|event| event.text).collect()
+        };
+        let metres = [
+            conflict("severest", Some([10.0, 500.0])),
+            conflict("outside", Some([2000.0, 0.0])),
+            conflict("beside", Some([-30.0, 20.0])),
+            conflict("nowhere", None),
+        ];
+        assert_eq!(texts(&metres), ["conflict of beside and z", "conflict of severest and z"]);
+        let degrees = [conflict("a", Some([11.42, 48.77])), conflict("b", Some([11.43, 48.76]))];
+        assert_eq!(texts(&degrees), [""; 0], "longitudes and latitudes are no metres");
+    }
 }

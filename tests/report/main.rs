@@ -321,6 +321,10 @@ fn a_study_has_its_table_curves_and_failures() {
     ] {
         assert!(page.contains(wanted), "{wanted}");
     }
+    // A law is known by its name, a number by its key.
+    let figure = |name: &str| fs::read_to_string(dir.join("report").join(format!("{name}.svg"))).unwrap();
+    assert!(figure("intervals_error_rms_mean").contains(">adaptive, k_p=0.5"));
+    assert!(figure("curve_error_rms_mean_controller-k_p").contains(">adaptive<"));
     assert_eq!(Cells::of(&page, "cases").rows.len(), 12);
     assert!(!Path::new(&dir.join("cases/0001/report.html")).exists(), "a case has no page of its own");
 
