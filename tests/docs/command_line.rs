@@ -1,8 +1,11 @@
 //! `docs/reference/command-line.md` is the program's own help; `UPDATE=1 cargo test --test docs command_line` writes it anew.
 
-use std::{fmt::Write, fs, process::Stdio};
+use std::{fmt::Write, process::Stdio};
 
-use crate::support::{NEW, Running, program, repository};
+use crate::{
+    assert_up_to_date,
+    support::{NEW, Running, program},
+};
 
 const HEAD: &str = "# The command line
 
@@ -35,13 +38,5 @@ fn page() -> String {
 
 #[test]
 fn the_page_of_the_command_line_is_up_to_date() {
-    let path = repository("docs/reference/command-line.md");
-    if std::env::var_os("UPDATE").is_some() {
-        fs::write(&path, page()).unwrap();
-    }
-    let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(
-        written == page(),
-        "docs/reference/command-line.md is not up to date: UPDATE=1 cargo test --test docs command_line"
-    );
+    assert_up_to_date("docs/reference/command-line.md", &page(), "command_line");
 }

@@ -5,6 +5,7 @@ use std::{collections::BTreeSet, fmt::Write, fs, path::Path};
 
 use sumo_mfc::{run::Schema, study::study_schema};
 
+use crate::assert_up_to_date;
 use crate::support::{NEW, Running, program, repository, run_command};
 
 const HEAD: &str = "# Files that are written
@@ -74,12 +75,7 @@ fn page() -> String {
 
 #[test]
 fn the_page_of_files_is_up_to_date() {
-    let path = repository("docs/reference/files.md");
-    if std::env::var_os("UPDATE").is_some() {
-        fs::write(&path, page()).unwrap();
-    }
-    let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == page(), "docs/reference/files.md is not up to date: UPDATE=1 cargo test --test docs files");
+    assert_up_to_date("docs/reference/files.md", &page(), "files");
 }
 
 /// The names in a folder, folders with a stroke behind them.

@@ -1,14 +1,13 @@
 //! `docs/reference/keys.md` is made from the declarations of the keys; `UPDATE=1 cargo test --test docs keys` writes it anew.
 
 use std::fmt::Write;
-use std::fs;
 
 use sumo_mfc::keys::{Key, Kind, Value};
 use sumo_mfc::registry::Entry;
 use sumo_mfc::scenario::{Catalog, Form, parameter_keys, parameter_names, sections};
 use sumo_mfc::study::file_keys;
 
-use crate::support::repository;
+use crate::assert_up_to_date;
 
 const HEAD: &str = "# Keys of the files
 
@@ -160,11 +159,5 @@ fn page() -> String {
 
 #[test]
 fn the_page_of_keys_is_up_to_date() {
-    let path = repository("docs/reference/keys.md");
-    if std::env::var_os("UPDATE").is_some() {
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(&path, page()).unwrap();
-    }
-    let written = fs::read_to_string(&path).unwrap_or_default();
-    assert!(written == page(), "docs/reference/keys.md is not up to date: UPDATE=1 cargo test --test docs keys");
+    assert_up_to_date("docs/reference/keys.md", &page(), "keys");
 }

@@ -17,3 +17,13 @@ fn assert_none(what: &str, wrong: impl IntoIterator<Item = String>) {
     let wrong: Vec<String> = wrong.into_iter().collect();
     assert!(wrong.is_empty(), "{what}:\n{}", wrong.join("\n"));
 }
+
+/// Holds a page to what it is made of; `UPDATE=1` writes it anew.
+fn assert_up_to_date(path: &str, page: &str, tests: &str) {
+    let file = support::repository(path);
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(&file, page).unwrap();
+    }
+    let written = std::fs::read_to_string(&file).unwrap_or_default();
+    assert!(written == page, "{path} is not up to date: UPDATE=1 cargo test --test docs {tests}");
+}
