@@ -56,8 +56,9 @@ day: setup-test ## A day of simulated time with 200 vehicles on the road: memory
 fuzz: ## Changed files against everything that reads them; fuzz_cases=10000000 takes a night, fuzz_seed=2 makes other cases
 	SUMO_MFC_FUZZ_CASES=$(fuzz_cases) SUMO_MFC_FUZZ_SEED=$(fuzz_seed) cargo test --release --locked --test fuzz -- --nocapture
 
-bench: ## The benchmarks, one line per figure; the last against real SUMO at up to 20 000 cars (half an hour)
-	.ci/with-sumo cargo bench --locked
+bench: setup-test ## The benchmarks, one line per figure: whole processes, then parts, at last up to 20 000 cars (an hour and a half)
+	.ci/with-sumo cargo bench --locked --bench whole
+	.ci/with-sumo cargo bench --locked --bench codec --bench fleet --bench plant --bench study --bench scale
 
 book: ## The documentation as a site: target/site/docs/index.html (installs mdBook below .tools/ at the first call)
 	@.ci/book

@@ -20,6 +20,8 @@ use follow::Follow;
 use rayon::prelude::*;
 pub use setup::{ActuatorSetup, GroupSetup, LoopConfig, VehicleSetup};
 pub use snapshot::Snapshot;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -54,7 +56,8 @@ impl Slot {
 
 struct Group {
     setup: GroupSetup,
-    free: Vec<Slot>,
+    /// The lowest comes first, so that vehicles gather in few blocks: a block costs as much with one as when it is full.
+    free: BinaryHeap<Reverse<Slot>>,
 }
 
 /// All vehicles with a body.
@@ -80,7 +83,7 @@ pub struct FleetTime {
 impl Fleet {
     /// An empty fleet.
     pub fn new(config: LoopConfig, groups: Vec<GroupSetup>) -> Self {
-        let groups = groups.into_iter().map(|setup| Group { setup, free: Vec::new() }).collect();
+        let groups = groups.into_iter().map(|setup| Group { setup, free: BinaryHeap::new() }).collect();
         Self { config, rated: false, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
     }
 
@@ -120,7 +123,7 @@ impl Fleet {
         if self.groups[group].free.is_empty() {
             self.grow(group);
         }
-        let slot = self.groups[group].free.pop().expect("grow() left free slots");
+        let Reverse(slot) = self.groups[group].free.pop().expect("grow() left free slots");
         self.blocks[slot.block()].admit(slot.lane(), vehicle);
         slot
     }
@@ -131,7 +134,7 @@ impl Fleet {
         let (period_s, dead_time_max_s) = (self.config.period_s, setup.dead_time_max_s);
         self.blocks.push(Block::new(group, (setup.controller)(), period_s, dead_time_max_s, self.rated));
         self.blocks[index].stopwatch = Stopwatch::new(self.stopwatch.is_on());
-        self.groups[group].free.extend((0..LANES).rev().map(|lane| Slot::new(index, lane)));
+        self.groups[group].free.extend((0..LANES).map(|lane| Reverse(Slot::new(index, lane))));
     }
 
     /// Takes a vehicle out and returns its statistics. The other slots are untouched.
@@ -139,7 +142,7 @@ impl Fleet {
         let block = &mut self.blocks[slot.block()];
         let stats = block.release(slot.lane());
         let group = block.group();
-        self.groups[group].free.push(slot);
+        self.groups[group].free.push(Reverse(slot));
         stats
     }
 

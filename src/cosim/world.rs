@@ -164,10 +164,14 @@ impl<S: Sumo> World<S> {
         }
         self.settle_teleports();
         for (place, chunk) in chunks.iter_mut().enumerate() {
+            if place > 0 {
+                // While this chunk drives, SUMO takes the speeds of the one before. Those of the last go with the next step.
+                self.sumo.hand_over().await?;
+            }
             self.hear(chunk).await?;
             self.end_lost();
             self.drive(place, &chunk.members);
-            self.tell(&chunk.members).await?;
+            self.tell(&chunk.members)?;
         }
         if self.platoons {
             note_speeds(&mut self.egos, &self.fleet, self.step_s);
@@ -355,9 +359,9 @@ impl<S: Sumo> World<S> {
         }
     }
 
-    /// Tells SUMO the speeds of a chunk's bodies, so that it takes them while the next chunk drives. A body that stood
-    /// all through the step, as SUMO's car did, has nothing to tell.
-    async fn tell(&mut self, members: &[Slot]) -> Result<(), CosimError> {
+    /// Tells SUMO the speeds of a chunk's bodies. A body that stood all through the step, as SUMO's car did, has nothing to
+    /// tell.
+    fn tell(&mut self, members: &[Slot]) -> Result<(), CosimError> {
         let egos = members.iter().filter_map(|slot| self.egos.get(*slot));
         for ego in egos.filter(|ego| ego.leader.is_none() && ego.presence == Presence::Driving) {
             if !self.fleet.block(ego.slot).rests(ego.slot.lane()) {
@@ -369,7 +373,7 @@ impl<S: Sumo> World<S> {
                 self.display.show(&mut self.sumo, ego, self.fleet.block(*slot))?;
             }
         }
-        self.sumo.hand_over().await
+        Ok(())
     }
 
     async fn hear_readings(&mut self, asked: S::Asked<ReadingQuestion>) -> Result<(), CosimError> {

@@ -96,6 +96,8 @@ pub struct Fake {
     /// Questions that were asked, and those that were answered, one by one.
     pub asked: usize,
     pub answered: usize,
+    /// How often what was told was handed over before the next step.
+    pub handed_over: usize,
     waiting: Vec<(Arc<str>, Tell)>,
     road: BTreeMap<String, Driver>,
     step: u64,
@@ -220,6 +222,7 @@ impl Sumo for Fake {
     }
 
     async fn hand_over(&mut self) -> Result<(), CosimError> {
+        self.handed_over += 1;
         Ok(())
     }
 

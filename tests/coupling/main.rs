@@ -386,6 +386,18 @@ fn law_other_chunks_change_nothing() {
     assert_eq!(crowd(false, 0), crowd(false, 300));
 }
 
+/// SUMO is not woken for speeds that can go with the next step: only while another chunk is still to drive.
+#[test]
+fn the_speeds_of_the_last_chunk_go_with_the_next_step() {
+    for (cars, handed_over) in [(40, 0), (256, 0), (257, 1), (600, 2)] {
+        let mut world = world(Fake::new((0..cars).map(|i| Car::new(&format!("a{i}"), i, 0))), &[]);
+        step(&mut world, 3);
+        let before = world.sumo_mut().handed_over;
+        step(&mut world, 1);
+        assert_eq!(world.sumo_mut().handed_over - before, handed_over, "{cars} cars");
+    }
+}
+
 /// What a car is carried is not counted as a difference of the two ways.
 #[test]
 fn a_teleport_leaves_no_gap_between_odometer_and_body() {
