@@ -124,6 +124,10 @@ pub use prefix::Prefix;
 pub use process::SumoProcess;
 pub use reply::{Blocks, Index, Refusal, Reply};
 pub use subscription::{Block, Entries, Subscribed, Values, Variables};
+#[cfg(feature = "libsumo")]
+pub(crate) use batch::usable_speed;
+#[cfg(feature = "libsumo")]
+pub(crate) use typed::finite;
 #[cfg(feature = "sim")]
 pub(crate) use tie::{Tie, tied};
 pub use typed::{Distance, Domain, FromValue, Never, Nothing, OnRoad, RoadPosition, Shape, Var};
