@@ -127,6 +127,8 @@ pub use subscription::{Block, Entries, Subscribed, Values, Variables};
 #[cfg(feature = "libsumo")]
 pub(crate) use batch::usable_speed;
 #[cfg(feature = "libsumo")]
+pub(crate) use process::last_words;
+#[cfg(feature = "libsumo")]
 pub(crate) use typed::finite;
 #[cfg(feature = "sim")]
 pub(crate) use tie::{Tie, tied};
