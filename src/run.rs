@@ -54,6 +54,8 @@ mod whole;
 
 pub use backend::Backend;
 pub use error::RunError;
+#[cfg(feature = "libsumo")]
+pub(crate) use here::version as version_here;
 pub use manifest::{Input, Manifest, Status};
 pub use options::SessionOptions;
 pub use profile::Profile;

@@ -11,7 +11,10 @@ use crate::traci::Client;
 impl Link {
     /// A SUMO that is connected over TraCI; `shared` if other clients may be at it.
     pub fn traci(client: Client, shared: bool) -> Self {
-        TraciLink::new(client, shared).into()
+        let link = TraciLink::new(client, shared);
+        #[cfg(feature = "libsumo")]
+        let link = Self::from(link);
+        link
     }
 }
 

@@ -22,6 +22,14 @@ pub(super) fn library(binary: &SumoBinary) -> Result<Library, libsumo::Error> {
     Library::load(&libsumo::find(&binary.path)?)
 }
 
+/// The version of that library.
+///
+/// # Errors
+/// Why there is none, in words.
+pub fn version(binary: &SumoBinary) -> Result<String, String> {
+    library(binary).map(|library| library.version().1).map_err(|error| error.to_string())
+}
+
 impl Here {
     /// SUMO's printing goes into `folder`, as that of a process does.
     pub fn new(folder: PathBuf) -> Result<Self, RunError> {

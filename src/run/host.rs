@@ -1,6 +1,8 @@
 //! Who runs SUMO: a process that is started for it, this process, or somebody else. Reaching it, and leaving it.
 
 use super::backend::Backend;
+#[cfg(not(feature = "libsumo"))]
+use super::backend::NOT_BUILT;
 use super::error::RunError;
 use super::options::SessionOptions;
 use super::result::ResultWriter;
@@ -23,7 +25,7 @@ pub(super) enum Host {
     #[default]
     Elsewhere,
     /// A process that we have started.
-    Process(SumoProcess),
+    Process(Box<SumoProcess>),
     /// This process.
     #[cfg(feature = "libsumo")]
     Here(super::here::Here),
@@ -34,11 +36,7 @@ pub(super) type Reached = (Link, SumoVersion);
 
 impl Host {
     /// Starts SUMO, or joins one that runs.
-    pub async fn reach(
-        &mut self,
-        options: &SessionOptions,
-        result: &mut ResultWriter,
-    ) -> Result<Reached, RunError> {
+    pub async fn reach(&mut self, options: &SessionOptions, result: &mut ResultWriter) -> Result<Reached, RunError> {
         let sumo = result.scenario.sumo.clone();
         if let Some(why) = needs_traci(&sumo).filter(|_| options.backend == Backend::Libsumo) {
             return Err(RunError::Backend(why.to_owned()));
@@ -54,7 +52,7 @@ impl Host {
             return Ok(reached);
         }
         let arguments = result.sumo_command(&binary.path)?;
-        *self = Self::Process(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.dir.sumo()?)?);
+        *self = Self::Process(Box::new(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.dir.sumo()?)?));
         let Self::Process(process) = self else { unreachable!("it was started") };
         let mut client = process.connect(patience).await?;
         let shared = sumo.num_clients > 1;
@@ -169,8 +167,3 @@ fn needs_traci(sumo: &SumoSetup) -> Option<&'static str> {
     ];
     why.into_iter().find_map(|(needed, why)| needed.then_some(why))
 }
-
-/// What a program says that has no SUMO inside.
-#[cfg(not(feature = "libsumo"))]
-const NOT_BUILT: &str =
-    "this sumo-mfc was built without it (cargo build --release --features libsumo, with g++ and SUMO's headers, builds one with it)";

@@ -72,7 +72,8 @@ impl Session {
         match prepared {
             Ok((world, end_s)) => {
                 let begin_s = world.time_s();
-                let mut session = Self { world, host, result, profiler: Profiler::new(options.profile), begin_s, end_s };
+                let mut session =
+                    Self { world, host, result, profiler: Profiler::new(options.profile), begin_s, end_s };
                 session.profiler.begin(&mut session.world);
                 Ok(session)
             }

@@ -34,7 +34,8 @@ pub struct RunOptions {
 /// [`RunError`]; if SUMO or the disk fails on the way, [`RunError::Broken`] with what was computed left in the folder.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunError> {
     let system = |error: &dyn std::fmt::Display| RunError::System(error.to_string());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).stack_size(STACK_BYTES).build();
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).stack_size(STACK_BYTES).build();
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let (pool, runtime) = (pool.map_err(|e| system(&e))?, runtime.map_err(|e| system(&e))?);
     pool.install(|| {

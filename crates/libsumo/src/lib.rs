@@ -5,7 +5,9 @@
 //!
 //! SUMO's state is static: a process has at most one [`Simulation`], ever. SUMO's own printing goes into a file. A SUMO that
 //! crashes takes the process with it.
-#![cfg(target_os = "linux")]
+
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+compile_error!("SUMO in this process needs Linux with glibc: libsumocpp.so is made for it");
 
 mod api;
 mod object;
@@ -174,8 +176,8 @@ impl Library {
         self.api.version()
     }
 
-    /// Loads a simulation with SUMO's arguments, without the name of the program. From now on all that C++ prints in this
-    /// process goes to the end of the file `log`. `home` becomes the environment's `SUMO_HOME`.
+    /// Loads a simulation with SUMO's arguments, without the name of the program. From now on all that C and C++ print in
+    /// this process goes to the end of the file `log`. `home` becomes the environment's `SUMO_HOME`.
     ///
     /// At its end this process leaves SUMO's libraries as they are, and runs no `atexit` function registered before.
     ///

@@ -5,14 +5,16 @@
 
 #include <libsumo/libsumo.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
-#include <fstream>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include <ext/stdio_sync_filebuf.h>
 #include <unistd.h>
 
 #define API extern "C" __attribute__((visibility("default")))
@@ -47,7 +49,6 @@ int guarded(Call call) {
 // What the process still has to do at its end is done; SUMO's hundred libraries need not be taken down one by one, and
 // another thread may be inside one of them.
 void leave(int status, void*) {
-    std::cout.flush();
     std::fflush(nullptr);
     _exit(status);
 }
@@ -160,19 +161,22 @@ API void shim_error(const char** what, size_t* length) {
     *length = error.size();
 }
 
-// From now on C++'s standard streams, and so all that SUMO prints, go to a file. The process ends without taking down
-// SUMO's libraries.
+// From now on the standard streams of C and C++, and so all that SUMO and its libraries print, go to a file; descriptors
+// stay what they are. The process ends without taking down SUMO's libraries.
 API int shim_prepare(const char* home, const char* log) {
     return guarded([&] {
         // For good: SUMO prints until the very end.
-        std::filebuf* file = new std::filebuf;
-        if (file->open(log, std::ios::out | std::ios::app) == nullptr) {
-            error = "the file cannot be opened";
+        std::FILE* file = std::fopen(log, "ae");
+        if (file == nullptr) {
+            error = std::strerror(errno);
             return REFUSED;
         }
-        std::cout.rdbuf(file);
-        std::cerr.rdbuf(file);
-        std::clog.rdbuf(file);
+        stdout = file;
+        stderr = file;
+        auto* buffer = new __gnu_cxx::stdio_sync_filebuf<char>(file);
+        std::cout.rdbuf(buffer);
+        std::cerr.rdbuf(buffer);
+        std::clog.rdbuf(buffer);
         on_exit(leave, nullptr);
         if (home != nullptr) {
             setenv("SUMO_HOME", home, 1);
