@@ -5,8 +5,10 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use super::support::{CAR, NEW, Running, children, configuration, json, own, program, refusal, run_command, straight_road, table};
 use super::here;
+use super::support::{
+    CAR, NEW, Running, children, configuration, json, own, program, refusal, run_command, straight_road, table,
+};
 
 fn send(signal: &str, pid: u32) {
     assert!(Command::new("kill").args([signal, &pid.to_string()]).status().unwrap().success());
@@ -37,6 +39,11 @@ fn rows_of_vehicles_that_have_left_survive_a_crash() {
         let dir = folder.path().join("result");
         let run = under_way(&dir, 20);
         send(signal, run.child.id());
+        if signal == "-SEGV" {
+            // Rust hears the first one, and lets the access that has caused it happen again; a signal of ours does not.
+            std::thread::sleep(Duration::from_millis(100));
+            send(signal, run.child.id());
+        }
         assert_eq!(run.wait().code, None, "{signal}: ended by the signal");
         let noted = lines(&dir.join("vehicles.csv.part"));
         let mut recover = program(NEW);
@@ -71,16 +78,15 @@ fn signals_end_a_run_in_order() {
 #[test]
 fn a_signal_while_sumo_loads_ends_it() {
     let folder = tempfile::tempdir().unwrap();
-    let config = straight_road(folder.path(), CAR);
-    // Nobody ever writes into it, so that SUMO loads for ever.
-    let pipe = folder.path().join("endless.add.xml");
+    // Nobody ever reads it, so that SUMO waits for ever until it can open it.
+    let pipe = folder.path().join("fcd.xml");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let dir = folder.path().join("result");
-    let mut command = run_command(NEW, &config, &dir, &here(&["--quiet", "--end", "10"]));
-    command.args(["--", "--weight-files"]).arg(&pipe);
+    let mut command = run_command(NEW, &own("light"), &dir, &here(&["--quiet"]));
+    command.args(["--", "--fcd-output"]).arg(&pipe);
     let run = Running::start(command);
     let deadline = Instant::now() + Duration::from_secs(60);
-    while lines(&dir.join("sumo/console.log")) == 0 && !dir.join("sumo/console.log").exists() {
+    while !dir.join("sumo/console.log").exists() {
         assert!(Instant::now() < deadline, "SUMO is not loaded");
         std::thread::sleep(Duration::from_millis(10));
     }
@@ -98,14 +104,16 @@ fn a_signal_while_sumo_loads_ends_it() {
 fn errors_of_sumo_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let nowhere = configuration(folder.path(), Path::new("nowhere.net.xml"), CAR, "");
-    let one_line = |text: &str| text.replace("exit status: 1", "in this process").replace("in process", "in this process");
-    let (here_said, traci_said) = (refusal(NEW, &nowhere, &here(&["--end", "5"])), refusal(NEW, &nowhere, &["--end", "5"]));
+    let one_line =
+        |text: &str| text.replace("exit status: 1", "in this process").replace("in process", "in this process");
+    let (here_said, traci_said) =
+        (refusal(NEW, &nowhere, &here(&["--end", "5"])), refusal(NEW, &nowhere, &["--end", "5"]));
     assert!(here_said.contains("nowhere.net.xml"), "{here_said}");
     assert_eq!(one_line(&here_said), one_line(&traci_said));
 
     let broken = tempfile::tempdir().unwrap();
     let demand = format!(
-        r#"{CAR}<vehicle id="good" type="car" depart="0" arrivalPos="100"><route edges="ab"/></vehicle><vehicle id="bad" type="car" depart="600"><route edges="ab nowhere"/></vehicle>"#
+        r#"{CAR}<vehicle id="good" type="car" depart="0" arrivalPos="100"><route edges="ab"/></vehicle><vehicle id="later" type="car" depart="590"><route edges="ab"/></vehicle><vehicle id="bad" type="car" depart="600"><route edges="ab nowhere"/></vehicle>"#
     );
     let config = straight_road(broken.path(), &demand);
     let dir = broken.path().join("result");
