@@ -20,6 +20,7 @@ demo: ## A city whose cars answer late and measure with noise: compare five cont
 
 test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
 	cargo test --release --locked
+	@.ci/libsumo
 
 dist: ## A static Linux program with manual pages, completions and a list of its parts, packed into target/dist/
 	.ci/dist

@@ -86,12 +86,13 @@ fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
         session: SessionOptions {
             out_dir: args.out.clone().unwrap_or_else(|| scenario.default_folder()),
             force: args.force,
+            backend: args.backend,
             profile: args.profile,
+            tell: (!args.quiet).then_some(|line| eprintln!("note: {line}")),
             ..SessionOptions::default()
         },
         threads: args.threads.map(usize::from),
         progress: !args.quiet && std::io::stderr().is_terminal(),
-        tell: (!args.quiet).then_some(|line| eprintln!("note: {line}")),
         tied: args.tied,
     };
     let result = match run::run(&scenario, &options) {

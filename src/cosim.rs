@@ -30,6 +30,9 @@ mod events;
 mod following;
 mod lanes;
 mod leader;
+#[cfg(feature = "libsumo")]
+mod libsumo_link;
+mod link;
 mod observation;
 mod places;
 mod platoon;
@@ -51,6 +54,9 @@ pub use display::{Display, FULL_COLOUR_MPS};
 pub use egos::{Ego, EgoTable, Presence};
 pub use error::CosimError;
 pub use events::Events;
+#[cfg(feature = "libsumo")]
+pub use libsumo_link::LibsumoLink;
+pub use link::Link;
 pub use places::Place;
 pub use platoon::StringGain;
 pub use question::{Gets, NoAnswer, Object, Question, With};

@@ -59,6 +59,8 @@ pub fn examine(given: Option<&Path>) -> Report {
         }
     };
     report.note("SUMO found", true, format!("{} (from {})", binary.path.display(), binary.origin));
+    #[cfg(feature = "libsumo")]
+    note_library(&binary, &mut report);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let done = match runtime {
         Ok(runtime) => runtime.block_on(start(&binary, &mut report)),
@@ -69,6 +71,20 @@ pub fn examine(given: Option<&Path>) -> Report {
         report.note("SUMO runs", false, format!("{error}{help}"));
     }
     report
+}
+
+/// Whether this SUMO can also be run in this process. It need not.
+#[cfg(feature = "libsumo")]
+fn note_library(binary: &SumoBinary, report: &mut Report) {
+    let own = binary.version_text().unwrap_or_default();
+    let figures = match run::version_here(binary) {
+        Ok(version) if own.ends_with(version.trim_start_matches("SUMO ")) => {
+            format!("{version}, for --backend libsumo")
+        }
+        Ok(version) => format!("no: the library is {version}, the program {own}"),
+        Err(why) => format!("no: {why}"),
+    };
+    report.note("SUMO in this process", true, figures);
 }
 
 fn is_binarys_fault(error: &RunError) -> bool {

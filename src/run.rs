@@ -24,10 +24,15 @@
 //!
 //! Whatever ends a run early (SUMO died, the disk is full, Ctrl-C) leaves what was computed so far, marked incomplete.
 
+mod backend;
 mod error;
+#[cfg(feature = "libsumo")]
+mod here;
+mod host;
 mod joined;
 mod manifest;
 mod noted;
+mod options;
 mod outcome;
 mod profile;
 mod progress;
@@ -47,8 +52,12 @@ mod summary;
 mod tally;
 mod whole;
 
+pub use backend::Backend;
 pub use error::RunError;
+#[cfg(feature = "libsumo")]
+pub(crate) use here::version as version_here;
 pub use manifest::{Input, Manifest, Status};
+pub use options::SessionOptions;
 pub use profile::Profile;
 pub use recover::{Recovered, recover};
 pub use repeat::repeated;
@@ -56,7 +65,7 @@ pub use result::RunResult;
 pub use result_dir::{MANIFEST, ResultDir};
 pub use rows::{EDGES, EdgeRow, QUALITY, QualityRow, SAMPLE, SampleRow, TRACE, TraceRow, VEHICLES, VehicleRow};
 pub use schema::{FileSchema, Schema};
-pub use session::{Session, SessionOptions};
+pub use session::Session;
 pub use setup::world;
 pub use signals::Signal;
 pub(crate) use signals::Signals;

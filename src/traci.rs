@@ -112,6 +112,8 @@ mod variables;
 mod version;
 pub mod wire;
 
+#[cfg(feature = "libsumo")]
+pub(crate) use batch::usable_speed;
 pub use batch::{Batch, Handle};
 pub use client::{Client, Ticket};
 pub use compound::{
@@ -122,10 +124,14 @@ pub use error::{BatchError, Error, MAX_ID_BYTES};
 pub use find::{SUMO_BINARY_VARIABLE, SumoBinary, find_named, find_sumo};
 pub use prefix::Prefix;
 pub use process::SumoProcess;
+#[cfg(feature = "libsumo")]
+pub(crate) use process::last_words;
 pub use reply::{Blocks, Index, Refusal, Reply};
 pub use subscription::{Block, Entries, Subscribed, Values, Variables};
 #[cfg(feature = "sim")]
 pub(crate) use tie::{Tie, tied};
+#[cfg(feature = "libsumo")]
+pub(crate) use typed::finite;
 pub use typed::{Distance, Domain, FromValue, Never, Nothing, OnRoad, RoadPosition, Shape, Var};
 pub use value::{Color, Compound, Doubles, Layout, Polygon, Texts, Value};
 pub use variables::{Row, TABLE, edge, junction, lane, route, simulation, trafficlight, vehicle, vehicletype};

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueHint};
 use clap_complete::Shell;
 
@@ -10,6 +11,7 @@ use super::shared::{ExportArgs, set};
 use super::tuning::TuneArgs;
 use crate::{
     report,
+    run::Backend,
     scenario::{Override, Request},
     study::Arguments,
 };
@@ -168,6 +170,9 @@ pub struct RunArgs {
     /// Threads [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = GENERAL)]
     pub threads: Option<u16>,
+    /// How SUMO is reached: traci (a process of its own), libsumo (in this process), or auto
+    #[arg(long, value_name = "NAME", default_value = "traci", value_parser = backend(), help_heading = SUMO)]
+    pub backend: Backend,
     /// End as after SIGTERM when standard input ends, and tell how far the run is
     #[arg(long, hide = true)]
     pub tied: bool,
@@ -204,6 +209,9 @@ pub struct StudyArgs {
     /// Cases at the same time [default: all cores]
     #[arg(short = 'j', long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), help_heading = CASES)]
     pub jobs: Option<u16>,
+    /// How the cases reach SUMO: traci (a process of its own), libsumo (in the process of the case), or auto
+    #[arg(long, value_name = "NAME", default_value = "traci", value_parser = backend(), help_heading = CASES)]
+    pub backend: Backend,
     /// Who runs the cases: local, or slurm (job arrays; returns when they are submitted)
     #[arg(long, value_name = "NAME", default_value = "local", help_heading = CASES)]
     pub executor: String,
@@ -402,6 +410,11 @@ pub struct PaperArgs {
     /// Only errors
     #[arg(short, long, help_heading = GENERAL)]
     pub quiet: bool,
+}
+
+/// The ways to reach SUMO, by name.
+fn backend() -> impl TypedValueParser<Value = Backend> {
+    PossibleValuesParser::new(Backend::ALL.map(Backend::name)).try_map(|name| name.parse::<Backend>())
 }
 
 fn smoothing(smooth_s: f64) -> Override {

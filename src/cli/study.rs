@@ -10,11 +10,13 @@ use super::{
 };
 use crate::{
     registry::find,
+    run::{Backend, RunError},
     scenario::Catalog,
     study::{
         Arguments, Case, Definition, EXECUTORS, Ended, Plan, Standing, State, StudyError, Turn, Work, advice, collect,
         exported_table, run_task, terminal_table,
     },
+    traci::SumoBinary,
 };
 
 /// Plans a study, runs what is not done, and prints the table.
@@ -46,11 +48,13 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     }
     let todo: Vec<&Case> =
         plan.cases.iter().filter(mine).filter(|case| args.force || State::of(&plan, case) != State::Done).collect();
+    obstacle(args.backend, &plan.sumo, args.quiet)?;
     let program = std::env::current_exe().map_err(StudyError::from)?;
     let work = Work {
         plan: &plan,
         cases: &todo,
         jobs: args.jobs.map(usize::from),
+        backend: args.backend,
         program: &program,
         tables: &collecting(),
         force: args.force,
@@ -77,6 +81,18 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
         );
     }
     failures(failed)
+}
+
+/// Says what stands against SUMO in the processes of the cases, before any of them begins.
+fn obstacle(backend: Backend, sumo: &SumoBinary, quiet: bool) -> miette::Result<()> {
+    match (backend, Backend::obstacle(sumo)) {
+        (Backend::Libsumo, Some(why)) => Err(RunError::Backend(why).into()),
+        (Backend::Auto, Some(why)) if !quiet => {
+            notes(&[format!("SUMO runs in processes of its own: {why}")]);
+            Ok(())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// The arguments of this call, changed so that they write the tables.

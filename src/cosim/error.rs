@@ -11,6 +11,10 @@ pub enum CosimError {
     /// The connection, or SUMO.
     #[error(transparent)]
     Traci(#[from] traci::Error),
+    /// SUMO in this process.
+    #[cfg(feature = "libsumo")]
+    #[error("SUMO in this process: {0}")]
+    Libsumo(#[from] sumo_mfc_libsumo::Error),
     /// A command that must not be sent.
     #[error(transparent)]
     Batch(#[from] traci::BatchError),

@@ -3,7 +3,8 @@
 //!
 //! [`Question::answer`] takes values from a [`Gets`], one after the other. A [`Gets`] that writes a message appends a
 //! command per value and returns nothing yet; one that reads a reply returns the values in the same order; one that reads
-//! a subscription looks them up by their numbers; a SUMO in this process would simply call it.
+//! a subscription looks them up by their numbers; a SUMO in this process is called by the first, and the second reads
+//! what it said.
 
 use crate::traci::{BatchError, Color, Domain, FromValue, Leader, Prefix, Value, Var, vehicle};
 use std::sync::Arc;

@@ -1,10 +1,10 @@
 //! The seam: SUMO as the coupling needs it. [`super::traci_link::TraciLink`] implements it over a socket; the tests of
-//! the coupling have a small traffic world in memory; a SUMO in this process would be a third one.
+//! the coupling have a small traffic world in memory; `libsumo_link.rs` has a SUMO in this process.
 
 use super::error::CosimError;
 use super::events::Events;
 use super::question::{NoAnswer, Object, Question};
-use crate::traci::Color;
+use crate::traci::{Color, SumoVersion};
 use std::future::Future;
 use std::time::Duration;
 
@@ -116,4 +116,14 @@ pub trait Sumo {
 
     /// Time spent waiting for SUMO so far.
     fn waited(&self) -> Duration;
+}
+
+/// Whether this SUMO tells the mass of a vType.
+pub(super) fn tells_mass(version: &SumoVersion) -> bool {
+    version.at_least(1, 21)
+}
+
+/// A number as the value of a parameter: four decimals say all that a plot can show.
+pub(super) fn value_text(value: f64) -> String {
+    ((value * 1e4).round() / 1e4 + 0.0).to_string()
 }

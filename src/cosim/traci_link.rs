@@ -8,15 +8,12 @@ use super::error::CosimError;
 use super::events::Events;
 use super::question::{Gets, NoAnswer, Object, Question, With};
 use super::subscriptions::{Subscriptions, Variables};
-use super::sumo::{Joined, Sumo, Tell};
+use super::sumo::{Joined, Sumo, Tell, tells_mass, value_text};
 use crate::traci::{
     Batch, BatchError, Block, Client, Domain, Error, Never, Reply, Subscribed, Ticket, Value, Var, simulation, vehicle,
 };
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The first SUMO that tells the mass of a vType.
-const MASS_SINCE: (u32, u32) = (1, 21);
 
 /// A SUMO that is reached over TraCI.
 pub struct TraciLink {
@@ -88,7 +85,7 @@ impl Sumo for TraciLink {
         let expected = batch.get(simulation::EXPECTED, "")?;
         let reply = self.client.exchange(&batch).await?;
         let (expected, present) = (reply.get(expected)?, reply.get(present)?);
-        let tells_mass = self.client.version().at_least(MASS_SINCE.0, MASS_SINCE.1);
+        let tells_mass = tells_mass(self.client.version());
         Ok(Joined { step_s, time_s, expected, present, tells_mass })
     }
 
@@ -278,11 +275,6 @@ fn note_events(block: &Block<'_>, events: &mut Events) -> Result<(), CosimError>
         events.colliding = !colliding.unwrap_or_default().is_empty();
     }
     Ok(())
-}
-
-/// A number as the value of a parameter: four decimals say all that a plot can show.
-fn value_text(value: f64) -> String {
-    ((value * 1e4).round() / 1e4 + 0.0).to_string()
 }
 
 /// Writes the gets of a question; there are no values yet.

@@ -13,6 +13,7 @@ use super::events::Events;
 use super::following::note_speeds;
 use super::lanes::Lanes;
 use super::leader::Leader;
+use super::link::Link;
 use super::observation::EgoQuestion;
 use super::places::{Place, places};
 use super::platoon::Follower;
@@ -22,7 +23,6 @@ use super::readings::{ReadingQuestion, Readings};
 use super::records::{Finished, Reason, Records};
 use super::setup::WorldSetup;
 use super::sumo::{Sumo, Tell};
-use super::traci_link::TraciLink;
 use crate::fleet::block::Block;
 use crate::fleet::follow::Follow;
 use crate::fleet::{Fleet, FleetTime, Slot};
@@ -34,7 +34,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// Fleet and SUMO, stepping together.
-pub struct World<S: Sumo = TraciLink> {
+pub struct World<S: Sumo = Link> {
     sumo: S,
     fleet: Fleet,
     egos: EgoTable,
@@ -72,8 +72,7 @@ impl World {
     /// # Errors
     /// If SUMO does not answer, or its step is not a whole number of control periods.
     pub async fn join(client: Client, setup: WorldSetup) -> Result<Self, CosimError> {
-        let link = TraciLink::new(client, setup.shared);
-        Self::over(link, setup).await
+        Self::over(Link::traci(client, setup.shared), setup).await
     }
 }
 

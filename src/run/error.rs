@@ -58,6 +58,9 @@ pub enum RunError {
     /// SUMO and the connection to it.
     #[error(transparent)]
     Traci(#[from] traci::Error),
+    /// SUMO cannot be run in this process.
+    #[error("--backend libsumo: {0}; --backend traci runs SUMO in a process of its own")]
+    Backend(String),
     /// The coupling.
     #[error(transparent)]
     Cosim(#[from] CosimError),

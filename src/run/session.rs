@@ -3,43 +3,23 @@
 //! Nothing here waits for signals, prints, or makes threads. The fleet uses the pool of rayon that the caller is in.
 
 use super::error::RunError;
+use super::host::{Host, Reached};
+use super::options::SessionOptions;
 use super::profile::Profiler;
 use super::recorder::{Recorder, trace_row};
 use super::result::{ResultWriter, RunResult};
 use super::rows::TraceRow;
 use super::setup;
 use super::signals::Signal;
-use crate::cosim::{CosimError, FULL_COLOUR_MPS, Sumo, World};
+use crate::cosim::{FULL_COLOUR_MPS, Sumo, World};
 use crate::reference::Target;
 use crate::scenario::{Group, Scenario};
 use crate::stats::VehicleStats;
 use crate::sumo_files::SIGNALS;
-use crate::traci::{Client, SumoProcess, find_named};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
-use std::time::Duration;
 
-/// How long SUMO may take to complete its outputs.
-const LAST_OUTPUTS: Duration = Duration::from_secs(120);
-/// How long a SUMO with other clients may take to end, if they have left it too.
-const OTHERS: Duration = Duration::from_secs(2);
-/// How long to look for a SUMO that is said to run already.
-const REACH: Duration = Duration::from_secs(10);
 /// A configuration without an end runs this long if nobody ever arrives \[s\].
 const ENDLESS_S: f64 = 3600.0;
-
-/// Where a session writes; nothing here changes its result.
-#[derive(Debug, Clone, Default)]
-pub struct SessionOptions {
-    /// Folder of the result.
-    pub out_dir: PathBuf,
-    /// Replace a finished result.
-    pub force: bool,
-    /// SUMO's binary; searched for if it is not given.
-    pub sumo: Option<PathBuf>,
-    /// Measure where the time of a step goes.
-    pub profile: bool,
-}
 
 /// Why a run is over.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -57,8 +37,7 @@ enum End {
 /// program: its tables have the suffix `.part`.
 pub struct Session {
     world: World,
-    /// None if SUMO was not started here.
-    process: Option<SumoProcess>,
+    host: Host,
     result: ResultWriter,
     profiler: Profiler,
     begin_s: f64,
@@ -81,10 +60,10 @@ impl Session {
         stopped: impl Future<Output = Signal>,
     ) -> Result<Self, RunError> {
         let mut result = ResultWriter::create(scenario, &options.out_dir, options.force)?;
-        let mut process = None;
+        let mut host = Host::default();
         let prepared = async {
-            let client = reach_sumo(options, &mut result, &mut process).await?;
-            prepare(client, &mut result).await
+            let reached = host.reach(options, &mut result).await?;
+            prepare(reached, &mut result).await
         };
         let prepared = tokio::select! {
             prepared = prepared => prepared,
@@ -94,11 +73,11 @@ impl Session {
             Ok((world, end_s)) => {
                 let begin_s = world.time_s();
                 let mut session =
-                    Self { world, process, result, profiler: Profiler::new(options.profile), begin_s, end_s };
+                    Self { world, host, result, profiler: Profiler::new(options.profile), begin_s, end_s };
                 session.profiler.begin(&mut session.world);
                 Ok(session)
             }
-            Err(error) => Err(result.give_up(explain(error, &mut process).await)),
+            Err(error) => Err(result.give_up(host.explain(error).await)),
         }
     }
 
@@ -111,7 +90,7 @@ impl Session {
         match step(&mut self.world, (recorder, &self.result.scenario), &mut self.profiler).await {
             Ok(()) => Ok(()),
             Err(error) => {
-                let error = explain(error, &mut self.process).await;
+                let error = self.host.explain(error).await;
                 Err(self.break_off(error))
             }
         }
@@ -172,14 +151,14 @@ impl Session {
             signal = &mut stopped => return Err(self.break_off(RunError::Interrupted(signal))),
         };
         if let Err(error) = handed_back {
-            let error = explain(error, &mut self.process).await;
+            let error = self.host.explain(error).await;
             return Err(self.break_off(error));
         }
-        let Self { world, process, mut result, begin_s, .. } = self;
+        let Self { world, host, mut result, begin_s, .. } = self;
         let time_s = world.time_s();
         let (records, left) = world.close().await;
         let ended = tokio::select! {
-            ended = leave(process, &mut result) => ended,
+            ended = host.leave(&mut result) => ended,
             // Whoever has asked for the end before gets SUMO's outputs with it.
             signal = stopped, if incomplete.is_none() => Err(RunError::Interrupted(signal)),
         };
@@ -191,7 +170,7 @@ impl Session {
 
     /// Leaves SUMO as it is, and writes what was computed until `error` happened.
     pub(super) fn break_off(&mut self, error: RunError) -> RunError {
-        self.result.sumo_has_ended = self.process.take().is_some();
+        self.result.sumo_has_ended = self.host.abandon();
         let times_s = [self.begin_s, self.world.time_s()];
         self.result.break_off(self.world.abandon(), times_s, error)
     }
@@ -224,25 +203,6 @@ impl Session {
     }
 }
 
-/// Waits until SUMO has completed its outputs, if it is ours.
-async fn leave(process: Option<SumoProcess>, result: &mut ResultWriter) -> Result<(), RunError> {
-    let sumo = &result.scenario.sumo;
-    match process {
-        Some(process) if sumo.num_clients > 1 => {
-            let others = process.leave(OTHERS).await;
-            if others.is_none() {
-                result.notes.push("SUMO goes on for its other clients; its own outputs are not there yet".to_owned());
-            }
-            others.map_or(Ok(()), |status| result.sumo_ended(status))
-        }
-        Some(process) => {
-            let status = process.shut_down(LAST_OUTPUTS.min(Duration::from_secs_f64(sumo.timeout_s))).await?;
-            result.sumo_ended(status)
-        }
-        None => Ok(()),
-    }
-}
-
 /// One SUMO step, written down.
 async fn step(
     world: &mut World,
@@ -257,33 +217,9 @@ async fn step(
     Ok(())
 }
 
-/// Starts SUMO, or joins one that runs.
-async fn reach_sumo(
-    options: &SessionOptions,
-    result: &mut ResultWriter,
-    process: &mut Option<SumoProcess>,
-) -> Result<Client, RunError> {
-    let sumo = result.scenario.sumo.clone();
-    let patience = Duration::from_secs_f64(sumo.timeout_s);
-    if let Some(address) = sumo.connect {
-        let mut client = Client::join(address, REACH.min(patience), patience).await?;
-        client.set_order(1).await?;
-        return Ok(client);
-    }
-    let binary = find_named(options.sumo.as_deref(), if sumo.gui { "sumo-gui" } else { "sumo" })?;
-    let arguments = result.sumo_command(&binary.path)?;
-    let process = process.insert(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.dir.sumo()?)?);
-    let mut client = process.connect(patience).await?;
-    if sumo.num_clients > 1 {
-        client.set_order(1).await?;
-    }
-    Ok(client)
-}
-
 /// Joins SUMO with the fleet, asks for the end, and opens the files.
-async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Option<f64>), RunError> {
-    let version = client.version();
-    (result.manifest.sumo_version, result.manifest.sumo_api) = (Some(version.text.clone()), Some(version.api));
+async fn prepare((link, version): Reached, result: &mut ResultWriter) -> Result<(World, Option<f64>), RunError> {
+    (result.manifest.sumo_version, result.manifest.sumo_api) = (Some(version.text), Some(version.api));
     let setup = setup::world(&result.scenario)?;
     let noted: BTreeSet<&str> = setup.targets.iter().filter_map(Target::note).collect();
     result.notes.extend(noted.into_iter().map(str::to_owned));
@@ -292,7 +228,7 @@ async fn prepare(client: Client, result: &mut ResultWriter) -> Result<(World, Op
             "egos are coloured by |true speed − reference|: from blue at 0 to yellow at {FULL_COLOUR_MPS} m/s and more"
         ));
     }
-    let mut world = World::join(client, setup).await?;
+    let mut world = World::over(link, setup).await?;
     let end_s = match result.scenario.sumo.end_s {
         Some(end_s) => Some(end_s),
         None => Some(world.sumo_mut().end_s().await?).filter(|end_s| *end_s >= 0.0),
@@ -328,12 +264,4 @@ async fn of_joined(world: &mut World, address: &str, [bodies, fcd]: [bool; 2]) -
         ));
     }
     Ok(notes)
-}
-
-/// More of an error of the connection: what SUMO said last, if it is ours and has ended.
-async fn explain(error: RunError, process: &mut Option<SumoProcess>) -> RunError {
-    match (error, process) {
-        (RunError::Cosim(CosimError::Traci(error)), Some(process)) => process.explain(error).await.into(),
-        (error, _) => error,
-    }
 }

@@ -1,15 +1,19 @@
 //! A run from its beginning to its end or to a signal, on threads of its own.
 
 use super::error::RunError;
+use super::options::SessionOptions;
 use super::progress::Progress;
 use super::result::RunResult;
-use super::session::{Session, SessionOptions};
+use super::session::Session;
 use super::signals::Signals;
 use crate::scenario::Scenario;
 use std::time::Duration;
 
 /// A step that takes longer than this is told.
 const SLOW: Duration = Duration::from_secs(10);
+
+/// The stack of a thread, as large as that of a program's first one: SUMO may run in it.
+const STACK_BYTES: usize = 8 << 20;
 
 /// How a run is carried out; nothing here changes its result.
 #[derive(Debug, Clone, Default)]
@@ -20,8 +24,6 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Show a progress bar.
     pub progress: bool,
-    /// Is told what the user should know while the run goes on.
-    pub tell: Option<fn(&str)>,
     /// End as after SIGTERM when standard input ends, and tell on standard output how far the run is.
     pub tied: bool,
 }
@@ -32,7 +34,8 @@ pub struct RunOptions {
 /// [`RunError`]; if SUMO or the disk fails on the way, [`RunError::Broken`] with what was computed left in the folder.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunError> {
     let system = |error: &dyn std::fmt::Display| RunError::System(error.to_string());
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).build();
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).stack_size(STACK_BYTES).build();
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let (pool, runtime) = (pool.map_err(|e| system(&e))?, runtime.map_err(|e| system(&e))?);
     pool.install(|| {
@@ -44,15 +47,13 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunEr
 }
 
 /// Tells that a step takes long: SUMO may be waiting for another client, or hang.
-async fn tell_if_slow(tell: Option<fn(&str)>) {
+async fn tell_if_slow(options: &SessionOptions) {
     for waited in 1.. {
         tokio::time::sleep(SLOW).await;
-        if let Some(tell) = tell {
-            let waited_s = waited * SLOW.as_secs();
-            tell(&format!(
-                "SUMO has not answered for {waited_s} s; the run waits until --timeout, Ctrl-C ends it with what there is"
-            ));
-        }
+        let waited_s = waited * SLOW.as_secs();
+        options.tell(&format!(
+            "SUMO has not answered for {waited_s} s; the run waits until --timeout, Ctrl-C ends it with what there is"
+        ));
     }
 }
 
@@ -60,7 +61,7 @@ async fn run_until(signals: &Signals, scenario: &Scenario, options: &RunOptions)
     let mut session = Session::open_unless(scenario, &options.session, signals.wait()).await?;
     let progress = Progress::new(options.progress, options.tied, &session);
     while signals.raised().is_none() && !session.is_over() {
-        let slow = tell_if_slow(options.tell);
+        let slow = tell_if_slow(&options.session);
         tokio::select! {
             stepped = session.step() => stepped?,
             signal = signals.overdue() => return Err(session.break_off(RunError::Interrupted(signal))),

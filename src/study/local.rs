@@ -71,7 +71,8 @@ impl Pool<'_> {
             }
             tokio::time::sleep(Duration::from_millis(100)).await;
         }
-        let mut command = Command::from(process::command(self.work.program, &plan.sumo.path, &dir));
+        let mut command =
+            Command::from(process::command(self.work.program, (&plan.sumo.path, self.work.backend), &dir));
         command.stdout(Stdio::piped());
         // A terminal's Ctrl-C reaches us only, and they end with us.
         #[cfg(unix)]

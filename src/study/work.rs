@@ -3,7 +3,7 @@
 use super::error::StudyError;
 use super::plan::{Case, Plan};
 use super::slurm::SlurmKeys;
-use crate::run::Signal;
+use crate::run::{Backend, Signal};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::Path;
@@ -16,6 +16,8 @@ pub struct Work<'a> {
     pub cases: &'a [&'a Case],
     /// Cases at the same time, if the user says.
     pub jobs: Option<usize>,
+    /// How the cases reach SUMO.
+    pub backend: Backend,
     /// The program, which runs a case with `run --from`.
     pub program: &'a Path,
     /// The arguments with which the program writes the tables.

@@ -442,7 +442,7 @@ impl Batch {
 }
 
 /// A speed that SUMO takes as one: negative ones and NaN would release the vehicle. −0 becomes 0.
-fn usable_speed(speed_mps: f64) -> Result<f64, BatchError> {
+pub(crate) fn usable_speed(speed_mps: f64) -> Result<f64, BatchError> {
     finite("speed", speed_mps)?;
     if speed_mps < 0.0 {
         return Err(BatchError::BadNumber { what: "speed", value: speed_mps });

@@ -211,7 +211,7 @@ fn free_port() -> std::io::Result<u16> {
 
 /// The last lines of a log, without the step counter and what SUMO says of commands that it declined: those are not why
 /// it ended.
-fn last_words(log: &Path) -> String {
+pub(crate) fn last_words(log: &Path) -> String {
     let (mut bytes, mut begin) = (Vec::new(), 0);
     let read = File::open(log).and_then(|mut file| {
         begin = file.metadata()?.len().saturating_sub(REPORT_BYTES);

@@ -41,7 +41,7 @@ impl Domain {
         Self::TrafficLight,
     ];
 
-    pub(super) fn get_command(self) -> u8 {
+    pub(crate) fn get_command(self) -> u8 {
         0xa0 | self as u8
     }
 
@@ -153,7 +153,7 @@ impl<T: FromValue> FromValue for Option<T> {
 }
 
 /// Refuses a number that is not finite; `what` names it.
-pub(super) fn finite(what: &'static str, value: f64) -> Result<f64, BatchError> {
+pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, BatchError> {
     if value.is_finite() { Ok(value) } else { Err(BatchError::BadNumber { what, value }) }
 }
 

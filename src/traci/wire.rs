@@ -4,7 +4,7 @@
 //! offset of the offending byte. Values borrow from the frame they were read from.
 
 /// The double (and, cast, the integer) with which SUMO says "no value": not departed, teleporting.
-pub(super) const NO_VALUE: f64 = -1_073_741_824.0;
+pub(crate) const NO_VALUE: f64 = -1_073_741_824.0;
 
 /// Bytes that are not what TraCI says they must be. The connection cannot be used after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

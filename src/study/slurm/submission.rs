@@ -3,6 +3,7 @@
 use super::super::error::StudyError;
 use super::super::plan::{Case, Plan};
 use crate::output::{OutputError, file_error, write_json};
+use crate::run::Backend;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,9 @@ pub struct Submission {
     pub job: Option<String>,
     /// The SUMO that runs the cases.
     pub sumo: PathBuf,
+    /// How they reach it.
+    #[serde(default)]
+    pub backend: Backend,
     /// Whether finished cases are run again.
     pub force: bool,
     /// The cases of every task, by its index; none = the job writes the tables.
@@ -27,13 +31,13 @@ pub struct Submission {
 
 impl Submission {
     /// One that has not been submitted.
-    pub fn new(plan: &Plan, number: usize, force: bool, tasks: Vec<Vec<usize>>) -> Self {
+    pub fn new(plan: &Plan, number: usize, (force, backend): (bool, Backend), tasks: Vec<Vec<usize>>) -> Self {
         let folder = plan.dir.file_name().unwrap_or_default().to_string_lossy();
         let study: String =
             folder.chars().filter(|c| c.is_ascii_alphanumeric() || "-_".contains(*c)).take(30).collect();
         let now_ns = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos());
         let name = format!("{study}-{number:04}-{now_ns:x}");
-        Self { schema: 1, name, job: None, sumo: plan.sumo.path.clone(), force, tasks }
+        Self { schema: 1, name, job: None, sumo: plan.sumo.path.clone(), backend, force, tasks }
     }
 
     /// Reads one.

@@ -157,7 +157,7 @@ impl<'a> Desk<'a> {
         after: &[String],
     ) -> Result<String, StudyError> {
         let (work, number) = (self.work, self.submissions.all.keys().next_back().map_or(1, |last| last + 1));
-        let submission = Submission::new(work.plan, number, work.force, tasks);
+        let submission = Submission::new(work.plan, number, (work.force, work.backend), tasks);
         self.own.push(number);
         self.submissions.write(number, submission.clone())?;
         self.submissions.write_tickets(number, work.plan, cases)?;

@@ -5,7 +5,7 @@ use super::super::error::StudyError;
 use super::super::plan::case_dir;
 use super::super::process;
 use super::submission::{Submission, remove_file, ticket};
-use crate::run::{Manifest, RunError, Signal};
+use crate::run::{Backend, Manifest, RunError, Signal};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -31,7 +31,7 @@ pub fn run_task(intent: &Path, name: &str, index: usize, program: &Path) -> Resu
         let dir = case_dir(study, *case);
         // Somebody else may have run it while this task waited for its turn.
         if submission.force || State::of_planned(&dir, &planned) != State::Done {
-            run_case(&dir, &planned, &submission.sumo, program)?;
+            run_case(&dir, &planned, (&submission.sumo, submission.backend), program)?;
         }
         if let State::Failed(reason) = State::of_planned(&dir, &planned) {
             failed.push(format!("case {case:04}: {reason}"));
@@ -41,7 +41,7 @@ pub fn run_task(intent: &Path, name: &str, index: usize, program: &Path) -> Resu
     Ok(failed)
 }
 
-fn run_case(dir: &Path, planned: &Manifest, sumo: &Path, program: &Path) -> Result<(), StudyError> {
+fn run_case(dir: &Path, planned: &Manifest, sumo: (&Path, Backend), program: &Path) -> Result<(), StudyError> {
     let deadline = Instant::now() + LINGER;
     while let Err(error) = prepare(dir, planned) {
         if !matches!(error, RunError::Busy { .. }) || Instant::now() > deadline {
