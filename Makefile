@@ -58,7 +58,7 @@ fuzz: ## Changed files against everything that reads them; fuzz_cases=10000000 t
 	SUMO_MFC_FUZZ_CASES=$(fuzz_cases) SUMO_MFC_FUZZ_SEED=$(fuzz_seed) cargo test --release --locked --test fuzz -- --nocapture
 
 bench: setup-test ## The benchmarks, one line per figure: whole processes, then parts, at last up to 20 000 cars (an hour and a half)
-	.ci/with-sumo cargo bench --locked --bench whole
+	.ci/with-sumo cargo bench --locked --bench whole $$(command -v g++ >/dev/null && echo --features libsumo)
 	.ci/with-sumo cargo bench --locked --bench codec --bench fleet --bench plant --bench study --bench scale
 
 book: ## The documentation as a site: target/site/docs/index.html (installs mdBook below .tools/ at the first call)

@@ -1,8 +1,9 @@
 //! Whole processes as a user starts them: plain `sumo -c` with the same step and options against `run` with each law.
 //!
 //! ```text
-//! .ci/with-sumo cargo bench --bench whole [-- SCENE...] [-- LAW...]
+//! .ci/with-sumo cargo bench --bench whole [--features libsumo] [-- SCENE...] [-- LAW...]
 //! ```
+//! With the feature `libsumo` every law runs a second time, with SUMO in its own process.
 //! The processes of a scene take turns, seven rounds of them. A ratio is that of two processes of one round, wall and
 //! processor time (SUMO's and ours together), and the figure is the median over the rounds. Everything is in it: loading,
 //! stepping, tables and the report page. What of this does not grow with the length of a run is shown apart: the time of
@@ -105,42 +106,43 @@ fn repository(path: &str) -> PathBuf {
 fn measure(scene: &Scene, sumo: &SumoBinary, laws: &[&str]) {
     let folder = tempfile::tempdir().expect("a folder");
     let end_s = scene.begin_s + scene.length_s;
-    let (mut plain, mut ours) = (Vec::new(), vec![Vec::new(); laws.len()]);
+    let backends: &[&str] = if cfg!(feature = "libsumo") { &["traci", "libsumo"] } else { &["traci"] };
+    let kinds: Vec<(&str, &str)> = laws.iter().flat_map(|law| backends.iter().map(move |way| (*law, *way))).collect();
+    let (mut plain, mut ours) = (Vec::new(), vec![Vec::new(); kinds.len()]);
     let home = std::path::absolute(sumo.home.as_ref().expect("SUMO_HOME")).expect("an absolute path");
     let config = scene.net.config(&home);
     let bare = |end_s: f64| timed(plain_command(scene, &config, sumo, end_s));
-    let run = |law: &str, end_s: f64| {
+    let run = |(law, backend): (&str, &str), end_s: f64| {
         let out = folder.path().join("out");
-        let times = timed(ours_command(scene, &config, law, end_s, &out));
+        let mut command = ours_command(scene, &config, law, end_s, &out);
+        if cfg!(feature = "libsumo") {
+            command.args(["--backend", backend]);
+        }
+        let times = timed(command);
         std::fs::remove_dir_all(out).expect("a result");
         times
     };
     for _ in 0..ROUNDS {
         plain.push(bare(end_s));
-        for (law, times) in laws.iter().zip(&mut ours) {
-            times.push(run(law, end_s));
+        for (kind, times) in kinds.iter().zip(&mut ours) {
+            times.push(run(*kind, end_s));
         }
     }
     let median_of = |times: &[Times], which: usize| median(times.iter().map(|t| t[which]));
     let name = scene.name;
-    println!(
-        "{name:16} {:12} {:7.2} s wall, {:7.2} s processor",
-        "sumo -c",
-        median_of(&plain, 0),
-        median_of(&plain, 1)
-    );
-    for (law, times) in laws.iter().zip(&ours) {
+    let [wall_s, processor_s] = [median_of(&plain, 0), median_of(&plain, 1)];
+    println!("{name:16} {:21} {wall_s:7.2} s wall, {processor_s:7.2} s processor", "sumo -c");
+    for ((law, backend), times) in kinds.iter().zip(&ours) {
         let ratio = |which: usize| median(times.iter().zip(&plain).map(|(a, b)| a[which] / b[which]));
-        let [wall, processor] = [ratio(0), ratio(1)];
+        let [wall_s, wall, processor] = [median_of(times, 0), ratio(0), ratio(1)];
         println!(
-            "{name:16} {law:12} {:7.2} s wall, {wall:5.2} x sumo -c, processor {processor:5.2} x",
-            median_of(times, 0)
+            "{name:16} {law:13} {backend:7} {wall_s:7.2} s wall, {wall:5.2} x sumo -c, processor {processor:5.2} x"
         );
     }
     let short_s = scene.begin_s + 1.0;
     let plain_s = median((0..ROUNDS).map(|_| bare(short_s)[0]));
-    let ours_s = median((0..ROUNDS).map(|_| run("adaptive", short_s)[0]));
-    println!("{name:16} {:12} {ours_s:7.2} s wall for one second of adaptive, sumo -c {plain_s:.2} s", "start-up");
+    let ours_s = median((0..ROUNDS).map(|_| run(("adaptive", "traci"), short_s)[0]));
+    println!("{name:16} {:21} {ours_s:7.2} s wall for one second of adaptive, sumo -c {plain_s:.2} s", "start-up");
 }
 
 /// Plain SUMO with the options that a run gives it.
