@@ -1,17 +1,22 @@
 //! What a controller is to follow. `traffic` and `limit` get their speed from SUMO in every step (the coupling knows how);
-//! a [`Profile`] is a speed over position or time from a formula or a file. One entry each in [`TARGETS`].
+//! a [`Profile`] is a speed over position or time from a formula or a file; a [`Spacing`] keeps a gap to the vehicle ahead. One entry
+//! each in [`TARGETS`].
 
+mod ctg_acc;
 mod error;
 mod index;
+mod path_cacc;
 mod point;
 mod profile;
 mod recording;
+mod spacing;
 mod table;
 
 pub use error::ReferenceError;
 pub use point::Axis;
 pub use profile::{Profile, ProfileKeys};
 pub use recording::{RecordingOptions, Track};
+pub use spacing::{Ahead, Own, Spacing};
 
 use crate::keys::{Keys, NoKeys, Values};
 use crate::registry::Entry;
@@ -27,6 +32,8 @@ pub enum Target {
     Limit,
     /// A speed over position or time, shared by the vehicles that follow it.
     Profile(Arc<Profile>),
+    /// A gap to the vehicle ahead, below the lane's limit.
+    Spacing(Spacing),
 }
 
 impl Target {
@@ -66,6 +73,8 @@ pub static TARGETS: LazyLock<Vec<Entry<Build>>> = LazyLock::new(|| {
             "a speed over position or time: steps, a sine, a CSV file, a driver's recording, a SUMO driving cycle",
             |keys: ProfileKeys, folder: &Path| Ok(Target::Profile(Arc::new(profile::build(&keys, folder)?))),
         ),
+        ctg_acc::entry(),
+        path_cacc::entry(),
     ]
 });
 
