@@ -8,7 +8,8 @@
 //! delay margin  least (π + arg L)/ω where |L| = 1
 //! ```
 //! That takes the law as it runs, with its filters, its sampling and what it hears of its actuators, and needs no equation of it. The kick is
-//! so small that nothing but the linear loop answers: the gain of `adaptive` stays nominal, `calibrating` learns nothing.
+//! so small that nothing but the linear loop answers: the gain of `adaptive` stays nominal, `calibrating` learns nothing. In the full model
+//! `calibrating` learns the delay from the torque that holds the speed, and is another loop: its margins need not be found again.
 
 use super::closed_loop::{AS_IT_IS, Change, ClosedLoop, Vehicle};
 use super::error::StabilityError;

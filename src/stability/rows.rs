@@ -29,12 +29,13 @@ record! {
         controller: String = "The law below it";
         lag: f64 = "Time constant of the actuators" ["s"];
         delay: f64 = "Dead time of the actuators" ["s"];
-        pair_gain: f64 = "Largest ratio of speed amplitudes of a follower and the vehicle ahead, over all periods of the leader";
-        pair_period: f64 = "The period at which it is that large" ["s"];
-        tail_gain: f64 = "Largest ratio of the speed amplitudes of the tenth follower and the leader";
-        tail_period: f64 = "The period at which it is that large" ["s"];
-        step_overshoot: f64 = "Largest speed of the tenth follower above the leader's after a step of 5 m/s, relative to the step" ["%"];
-        gap_min: f64 = "Least gap of any follower during that step" ["m"];
+        settles: bool = "Whether the first follower settles behind a leader whose speed is constant again";
+        pair_gain: Option<f64> = "Largest ratio of the speed amplitudes of two followers, over periods of the leader from 4 to 100 s; empty if it does not settle";
+        pair_period: Option<f64> = "The period at which it is that large" ["s"];
+        tail_gain: Option<f64> = "Largest ratio of the speed amplitudes of the tenth follower and the leader";
+        tail_period: Option<f64> = "The period at which it is that large" ["s"];
+        step_overshoot: f64 = "Largest speed of the tenth follower above the leader's after a step of 1 m/s, relative to the step" ["%"];
+        gap_min: f64 = "Least gap of any follower during that step; below 0 they would have touched" ["m"];
     }
 }
 
@@ -47,7 +48,7 @@ record! {
         lag: f64 = "Time constant of the actuators" ["s"];
         delay: f64 = "Dead time of the actuators" ["s"];
         period: f64 = "Period of the leader's speed" ["s"];
-        pair_gain: f64 = "Largest ratio of speed amplitudes of a follower and the vehicle ahead";
+        pair_gain: f64 = "Ratio of the speed amplitudes of the second follower and the first";
         tail_gain: f64 = "Ratio of the speed amplitudes of the tenth follower and the leader";
     }
 }
@@ -90,20 +91,18 @@ pub(super) fn margin_row(job: &Job, found: &Margins) -> MarginRow {
 }
 
 pub(super) fn string_row(job: &Job, upper: &str, found: &StringFound) -> StringRow {
-    let largest = |of: fn(&Gain) -> f64| {
-        let most = found.gains.iter().max_by(|a, b| of(a).total_cmp(&of(b))).expect("some periods");
-        (rounded(of(most)), most.period_s)
-    };
-    let ((pair_gain, pair_period), (tail_gain, tail_period)) = (largest(|gain| gain.pair), largest(|gain| gain.tail));
+    let largest = |of: fn(&Gain) -> f64| found.gains.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
+    let (pair, tail) = (largest(|gain| gain.pair), largest(|gain| gain.tail));
     StringRow {
         upper: upper.to_owned(),
         controller: job.controller.clone(),
         lag: job.lag_s,
         delay: job.delay_s,
-        pair_gain,
-        pair_period,
-        tail_gain,
-        tail_period,
+        settles: found.settles,
+        pair_gain: pair.map(|gain| rounded(gain.pair)),
+        pair_period: pair.map(|gain| gain.period_s),
+        tail_gain: tail.map(|gain| rounded(gain.tail)),
+        tail_period: tail.map(|gain| gain.period_s),
         step_overshoot: rounded(found.overshoot),
         gap_min: rounded(found.gap_min_m),
     }
