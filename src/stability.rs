@@ -6,6 +6,7 @@
 
 mod closed_loop;
 mod error;
+mod job;
 mod margins;
 mod request;
 mod rows;
@@ -15,6 +16,7 @@ use crate::scenario::{Catalog, Override, Scenario};
 use closed_loop::ClosedLoop;
 pub use error::StabilityError;
 use indicatif::ProgressBar;
+use job::Job;
 use rayon::prelude::*;
 pub use request::Request;
 pub use rows::{MarginRow, StringRow, SweepRow, margin_layout, string_layout, sweep_layout};
@@ -28,13 +30,6 @@ pub struct Found {
     pub strings: Vec<StringRow>,
     /// The same for every period of the leader.
     pub sweep: Vec<SweepRow>,
-}
-
-/// One law behind one set of actuators.
-struct Job {
-    controller: String,
-    lag_s: f64,
-    delay_s: f64,
 }
 
 /// Examines all laws.

@@ -14,7 +14,7 @@ use serde_json::Value;
 use support::{Ended, NEW, Running, program, repository, table};
 
 /// The subcommands that `--help` shows.
-const SUBCOMMANDS: [&str; 12] = [
+const SUBCOMMANDS: [&str; 13] = [
     "run",
     "compare",
     "sweep",

@@ -4,7 +4,7 @@
 //! (1.1, 1.6, 2.2 s).
 
 use super::spacing::{ComfortKeys, Spacing};
-use super::{Build, Target, target};
+use super::target::{Build, Target, target};
 use crate::keys;
 use crate::registry::Entry;
 use std::path::Path;

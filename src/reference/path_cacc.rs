@@ -6,7 +6,7 @@
 //! What is cooperative in it is that the speed ahead is known without a radar's lag.
 
 use super::spacing::{ComfortKeys, Spacing};
-use super::{Build, Target, target};
+use super::target::{Build, Target, target};
 use crate::keys;
 use crate::registry::Entry;
 use std::path::Path;

@@ -132,7 +132,7 @@ mod tests {
             let own = Own { speed_mps: 15.0, accel_mps2: 0.0, free_mps: 30.0 };
             let at = |gap_m: f64| law.next_mps(own, Some(Ahead { gap_m, speed_mps: 15.0 }), 0.1);
             assert!((at(law.gap_m(15.0)) - 15.0).abs() < 1e-12, "{name}");
-            assert!((at(0.0) - 14.6).abs() < 1e-12 && (at(1000.0) - 15.2).abs() < 1e-12, "{name}");
+            assert!((at(-10.0) - 14.6).abs() < 1e-12 && (at(1000.0) - 15.2).abs() < 1e-12, "{name}");
             assert_eq!(law.next_mps(Own { free_mps: 15.0, ..own }, None, 0.1), 15.0, "{name}");
             assert_eq!(
                 law.next_mps(Own { speed_mps: 0.1, ..own }, Some(Ahead { gap_m: 0.0, speed_mps: 0.0 }), 1.0),

@@ -1,6 +1,6 @@
 //! The tables: margins by law, gains of strings by upper and lower law, and the same by frequency.
 
-use super::Job;
+use super::job::Job;
 use super::margins::Margins;
 use super::strings::{Gain, StringFound};
 use crate::table::{Layout, record};

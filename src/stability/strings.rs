@@ -148,8 +148,9 @@ mod tests {
 
     #[test]
     fn val_pairs_have_the_gain_of_the_upper_laws_transfer_function() {
-        // Without a body in between: v/v_l = (c_v s + c_e)/(s² (1 + c_a) + (c_e h + c_v) s + c_e), late by half a step.
-        for (upper, tolerance) in [("ctg_acc", 0.03), ("path_cacc", 0.06)] {
+        // Without a body in between, sampled as here, z = exp(jφ): (z − 1) v/Δt = c_e (g − h v) + c_v (v_l − v) − c_a (1 − 1/z) v/Δt with the
+        // gap g = Δt/2 (z + 1)/(z − 1) (v_l − v), whose factor is −jΔt/2 / tan(φ/2).
+        for (upper, tolerance) in [("ctg_acc", 0.01), ("path_cacc", 0.02)] {
             let overrides = vec![
                 Override::text("test", "target.name", upper),
                 Override::text("test", "controller.name", "lqi"),
@@ -159,11 +160,12 @@ mod tests {
                 Scenario::load_offline(&Request { scenario: None, overrides }, &Catalog::installed()).unwrap();
             let Target::Spacing(law) = scenario.groups[0].load_target().unwrap() else { panic!("{upper} keeps a gap") };
             for period_s in [60.0, 20.0, 12.0] {
-                let w = std::f64::consts::TAU / period_s;
-                let above = [law.gap_per_s2, law.speed_per_s * w];
+                let phi = std::f64::consts::TAU / period_s * STEP_S;
+                let gap = -0.5 * STEP_S / (0.5 * phi).tan();
+                let above = [law.speed_per_s, law.gap_per_s2 * gap];
                 let below = [
-                    law.gap_per_s2 - w * w * (1.0 + law.accel),
-                    (law.gap_per_s2 * law.time_gap_s + law.speed_per_s) * w,
+                    (1.0 - law.accel) * (phi.cos() - 1.0) / STEP_S + law.gap_per_s2 * law.time_gap_s + law.speed_per_s,
+                    (1.0 + law.accel) * phi.sin() / STEP_S + law.gap_per_s2 * gap,
                 ];
                 let size = |[re, im]: [f64; 2]| libm::sqrt(re * re + im * im);
                 let (wanted, found) = (size(above) / size(below), gain(&scenario, &law, period_s).unwrap());
