@@ -6,6 +6,7 @@ SHELL := /bin/bash
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
 gains ?= 2
+tuned ?= classic,adaptive,calibrating,pid,smith_pi,lqi,mpc
 chaos_seed ?= 1
 chaos_n ?= 320
 fuzz_cases ?= 1000000
@@ -35,6 +36,7 @@ matrix: setup-test ## Every controller in eighteen conditions on four networks b
 tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in eleven conditions (ten minutes)
 	cargo build --release --locked
 	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning --gains $(gains) --trials 60 \
+	  --controllers $(tuned) \
 	  --train scenarios/paper/data/udds.csv --test scenarios/paper/data/hwfet.csv scenarios/paper/data/racing_lap.csv \
 	  --condition "as it is:" \
 	  --condition "noise of -6 dB: noise.power_db=-6" \

@@ -15,6 +15,7 @@ mod arguments;
 mod help;
 mod pages;
 mod shared;
+mod stability;
 mod study;
 mod tables;
 mod tuning;
@@ -28,16 +29,17 @@ use std::{
 use arguments::{CheckArgs, Cli, Command, ListArgs, ManArgs, PaperArgs, ReportArgs, RunArgs};
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
+use stability::StabilityArgs;
 use tracing::level_filters::LevelFilter;
 use tuning::TuneArgs;
 
 use crate::{
     doctor, map,
-    output::{FORMS, write_table},
+    output::{FORMS, Form, write_table},
     paper, report,
     run::{self, RunError, RunOptions, RunResult, SessionOptions, terminal_text},
     scenario::{Catalog, Scenario, schema, template},
-    tune,
+    stability as margins, tune,
 };
 
 /// Does what the arguments of the program ask for, with what `catalog` offers. Returns the exit code.
@@ -61,6 +63,7 @@ pub fn main(catalog: &Catalog) -> ExitCode {
         Command::Check(args) => check(&args, catalog),
         Command::Paper(args) => paper_tests(args),
         Command::Tune(args) => tuned(&args, catalog),
+        Command::Stability(args) => stable(&args, catalog),
         Command::List(args) => list(&args, catalog),
         Command::Doctor => doctor(),
         Command::Completions(args) => print(&pages::completions(args.shell)),
@@ -218,6 +221,28 @@ fn tuned(args: &TuneArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
         None if args.quiet => Ok(ExitCode::SUCCESS),
         None => print(&format!("{}written        {}\n", tables::tuned(&rows, FORMS[0].build), path.display())),
     }
+}
+
+fn stable(args: &StabilityArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+    let found = margins::examine(&args.request(!args.quiet && std::io::stderr().is_terminal()), catalog)?;
+    let (loops, strings) = (margins::margin_layout(), margins::string_layout());
+    let written = [
+        write_table(&args.out.join("margins.csv"), &loops, &found.margins),
+        write_table(&args.out.join("strings.csv"), &strings, &found.strings),
+        write_table(&args.out.join("sweep.csv"), &margins::sweep_layout(), &found.sweep),
+    ];
+    let written = written.into_iter().collect::<Result<Vec<_>, _>>().into_diagnostic()?;
+    let tables = |form: Form| format!("{}\n{}", form.text(&loops, &found.margins), form.text(&strings, &found.strings));
+    match args.export.export {
+        Some(form) if form.for_people => print(&tables(form)),
+        Some(form) => print(&form.text(&loops, &found.margins)),
+        None if args.quiet => Ok(ExitCode::SUCCESS),
+        None => print(&format!("{}\nwritten        {}\n", tables(FORMS[0].build), paths(&written))),
+    }
+}
+
+fn paths(written: &[PathBuf]) -> String {
+    written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 fn list(args: &ListArgs, catalog: &Catalog) -> miette::Result<ExitCode> {

@@ -4,13 +4,16 @@
 //! measured speed and the reference, sends the torque through the actuators (limits, dead time, lag), and reports with
 //! [`Controller::feedback`] what the actuators made of it.
 
+mod actuator_model;
 mod bounds;
 mod chunks;
 mod controller;
 mod estimator;
 mod mfc;
+mod riccati;
 
 use crate::registry::Entry;
+pub use actuator_model::with_model;
 pub use controller::{Actuation, Build, Command, Controller, Observation, law};
 use std::sync::LazyLock;
 
@@ -30,7 +33,12 @@ laws! {
     pid
     calibrating
     ideal
+    smith_pi
+    lqi
+    mpc
 }
 
+#[cfg(test)]
+mod loop_tests;
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@
 //! ```text
 //! 8  main                                      the program
 //! 7  cli                                       the command line, for what a catalog offers
-//! 6  map  tune                                 where adaptation helps, beyond the paper; the best gains of every law
+//! 6  map  tune  stability                      where adaptation helps, beyond the paper; the best gains of every law; its margins
 //! 5  study  paper  report  doctor              studies of many runs; the paper's experiments; a result as a page; is all well?
 //! 4  run                                       one scenario -> one result
 //!    offline                                   vehicles along a profile, without SUMO
@@ -86,6 +86,9 @@ pub mod report;
 pub mod run;
 #[cfg(feature = "sim")]
 pub mod scenario;
+#[cfg(feature = "sim")]
+#[doc(hidden)]
+pub mod stability;
 #[cfg(feature = "sim")]
 #[doc(hidden)]
 pub mod stats;

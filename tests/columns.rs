@@ -6,10 +6,11 @@ use std::path::Path;
 
 use serde_json::Value;
 use sumo_mfc::run::{FileSchema, Schema};
+use sumo_mfc::stability::{margin_layout, string_layout, sweep_layout};
 use sumo_mfc::study::study_schema;
 
 /// The tables in the order of the page.
-const FILES: [&str; 10] = [
+const FILES: [&str; 13] = [
     "vehicles.csv",
     "quality.csv",
     "trace.csv",
@@ -20,6 +21,9 @@ const FILES: [&str; 10] = [
     "comparison.csv",
     "vehicles.parquet",
     "tune.csv",
+    "margins.csv",
+    "strings.csv",
+    "sweep.csv",
 ];
 
 fn page() -> String {
@@ -28,6 +32,10 @@ fn page() -> String {
     let study = serde_json::to_value(study).unwrap();
     let tune = Schema::new([("tune.csv", FileSchema::of_table(&sumo_mfc::tune::layout().shape))]);
     let tune = serde_json::to_value(tune).unwrap();
+    let shapes = [margin_layout().shape, string_layout().shape, sweep_layout().shape];
+    let names = ["margins.csv", "strings.csv", "sweep.csv"];
+    let stability = Schema::new(names.into_iter().zip(shapes.each_ref().map(FileSchema::of_table)));
+    let stability = serde_json::to_value(stability).unwrap();
     let mut page = String::from(
         "# Columns of the result files\n\n\
          `schema.json` in every result folder says the same about the files beside it. An empty field (in JSON `null`) is no\n\
@@ -35,7 +43,7 @@ fn page() -> String {
          This page is made by `UPDATE=1 cargo test --test columns`.\n",
     );
     for name in FILES {
-        let file = [&run, &study, &tune].into_iter().find_map(|schema| schema["files"].get(name));
+        let file = [&run, &study, &tune, &stability].into_iter().find_map(|schema| schema["files"].get(name));
         let file = file.unwrap_or_else(|| panic!("no {name} in the schemas"));
         let (heading, columns) = if let Value::Array(columns) = &file["columns"] {
             ("column", columns)

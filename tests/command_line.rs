@@ -14,8 +14,21 @@ use serde_json::Value;
 use support::{Ended, NEW, Running, program, repository, table};
 
 /// The subcommands that `--help` shows.
-const SUBCOMMANDS: [&str; 12] =
-    ["run", "compare", "sweep", "report", "recover", "check", "paper", "tune", "list", "doctor", "completions", "man"];
+const SUBCOMMANDS: [&str; 13] = [
+    "run",
+    "compare",
+    "sweep",
+    "report",
+    "recover",
+    "check",
+    "paper",
+    "tune",
+    "stability",
+    "list",
+    "doctor",
+    "completions",
+    "man",
+];
 
 fn call(args: &[&str]) -> Ended {
     let mut command = program(NEW);

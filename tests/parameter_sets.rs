@@ -143,7 +143,7 @@ fn drive(scenario: &Scenario, random: &mut ChaCha8Rng) -> Result<Ended, String> 
     let demanding = demanding();
     let (profile, is_traffic) = match &target {
         Target::Profile(profile) => (&**profile, false),
-        Target::Traffic => (&demanding, true),
+        Target::Traffic | Target::Spacing(_) => (&demanding, true),
         Target::Limit => (&demanding, false),
     };
     let road = Road::with_profile(scenario, profile.clone().into()).map_err(|error| format!("refused: {error}"))?;

@@ -8,6 +8,7 @@ use clap_complete::Shell;
 
 use super::help::{self, CASES, CONTROLLER, GENERAL, OUTPUT, SCENARIO, STUDY, SUMO};
 use super::shared::{ExportArgs, set};
+use super::stability::StabilityArgs;
 use super::tuning::TuneArgs;
 use crate::{
     report,
@@ -62,6 +63,9 @@ pub enum Command {
     /// Find the best gains of each law by the same search, and judge them on other recordings, without SUMO
     #[command(after_help = help::TUNE)]
     Tune(TuneArgs),
+    /// How stable is each law, and a string of vehicles under it? Margins and gains, without SUMO
+    #[command(after_help = help::STABILITY)]
+    Stability(StabilityArgs),
     /// List controllers, targets, plants and bodies: kind, name, summary
     #[command(after_help = help::LIST)]
     List(ListArgs),

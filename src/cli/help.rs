@@ -92,6 +92,13 @@ Examples:
 
 Every law has as many free gains, the same recordings and the same number of trials.";
 
+/// Examples of `stability`.
+pub const STABILITY: &str = "\
+Examples:
+  sumo-mfc stability                           All laws: margins, and strings of ten followers
+  sumo-mfc stability --controllers classic,mpc --lag 0.2 --delay 0,0.1,0.2 --export md
+  sumo-mfc stability --controllers pid --set controller.k_p=2 --uppers path_cacc -o out/pid";
+
 /// Examples of `list`.
 pub const LIST: &str = "\
 Examples:

@@ -248,7 +248,7 @@ fn window_alpha_and_recompute_choose_which_product_is_carried() {
 
 #[test]
 fn rates_above_the_bound_are_jumps() {
-    for name in ["classic", "adaptive", "pid"] {
+    for name in ["classic", "adaptive", "pid", "smith_pi", "lqi", "mpc"] {
         let torque = |bound: f64, rate: f64| {
             let mut controller = build(name, &[("reference_rate_max_mps2", number(bound))]);
             step(&mut *controller, &observe(0.0, 0.0, rate)).0[0]
@@ -327,9 +327,14 @@ fn default_tuning_tracks_stop_and_go() {
         ("classic", [0.01, 0.06, 0.06, 0.06, 0.15, 0.35, 0.40, 0.50]),
         ("calibrating", [0.01, 0.06, 0.06, 0.06, 0.15, 0.35, 0.15, 0.35]),
         ("pid", [0.03, 0.06, 0.40, 0.25, 0.15, 0.40, 0.50, 0.70]),
+        ("smith_pi", [0.05, 0.06, 0.60, 0.35, 0.15, 0.30, 0.08, 0.30]),
+        ("lqi", [0.03, 0.06, 0.40, 0.25, 0.15, 0.40, 0.50, 0.70]),
+        ("mpc", [0.03, 0.06, 0.40, 0.25, 0.15, 0.35, 0.15, 0.35]),
     ];
     for (name, bounds) in bounds {
-        let errors = drives.map(|d| rms(&mut *build(name, &[]), d));
+        // Laws with a model know the actuators, and not the mass.
+        let model = |d: &Drive| [("model_delay_s", number(d.delay_s)), ("model_lag_s", number(d.lag_s))];
+        let errors = drives.map(|d| rms(&mut *build(name, &model(&d)), d));
         println!("{name}: {errors:.3?}");
         for (error, bound) in errors.iter().zip(bounds) {
             assert!(*error < bound, "{name}: {errors:?}");

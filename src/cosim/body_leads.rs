@@ -1,4 +1,4 @@
-//! Body-leads mode, for the targets `limit` and `profile`: the bodies run the coming step first, and SUMO is told
+//! Body-leads mode, for all targets but `traffic`: the bodies run the coming step first, and SUMO is told
 //! `setSpeed` with the speeds that they will have at its end, in every step.
 
 use super::egos::EgoTable;
@@ -17,6 +17,11 @@ impl BodyLeads {
         Self { targets }
     }
 
+    /// The target of a group.
+    pub fn target(&self, group: usize) -> &Target {
+        &self.targets[group]
+    }
+
     /// True if the bodies of a group lead.
     pub fn in_group(&self, group: usize) -> bool {
         !matches!(self.targets[group], Target::Traffic)
@@ -32,9 +37,10 @@ impl BodyLeads {
         if !self.anywhere() {
             return;
         }
+        let step_s = f64::from(periods) * fleet.period_s();
         egos.for_each_mut(|ego| {
             if let Some(leader) = &ego.leader {
-                leader.set_target(&self.targets[ego.group], fleet.block_mut(ego.slot), ego.slot.lane());
+                leader.set_target(&self.targets[ego.group], fleet.block_mut(ego.slot), ego.slot.lane(), step_s);
             }
         });
         for (group, target) in self.targets.iter().enumerate() {
@@ -42,6 +48,8 @@ impl BodyLeads {
                 Target::Traffic => continue,
                 Target::Limit => Follow::Target,
                 Target::Profile(profile) => Follow::Profile(profile),
+                // As SUMO's car-following does, it chooses a speed for the end of the step.
+                Target::Spacing(_) => Follow::Traffic,
             };
             fleet.advance(periods, |block| block.group() == group, follow);
         }

@@ -11,7 +11,7 @@ use super::question::{Gets, Object};
 use super::sumo::{Sumo, Tell};
 use crate::fleet::block::Block;
 use crate::fleet::follow::Bound;
-use crate::reference::Target;
+use crate::reference::{Ahead, Own, Target};
 use crate::traci::vehicle;
 
 /// Safe speed, right of way, red lights, accel; not decel: emergency braking stays possible under `setSpeed`.
@@ -57,18 +57,33 @@ pub struct Leader {
     before: Before,
     /// The limit of its lane [m/s].
     pub limit_mps: f64,
+    /// Whether its target keeps a gap to who is ahead.
+    pub keeps_gap: bool,
     /// Time lost so far \[s\].
     pub time_loss_s: f64,
     /// The speed that SUMO was told last [m/s].
     command_mps: f64,
     /// The speed that SUMO allowed instead, while it does [m/s].
     clamp_mps: Option<f64>,
+    /// Who is ahead, and the gap to it \[m\].
+    ahead: Option<(String, f64)>,
+    /// Rate of that gap [m/s].
+    gap_rate_mps: f64,
 }
 
 impl Leader {
     /// A vehicle at `speed_mps` [m/s], which is its limit until that of its lane is known.
-    pub fn new(before: Before, speed_mps: f64) -> Self {
-        Self { before, limit_mps: speed_mps, time_loss_s: 0.0, command_mps: speed_mps, clamp_mps: None }
+    pub fn new(before: Before, speed_mps: f64, target: &Target) -> Self {
+        Self {
+            before,
+            limit_mps: speed_mps,
+            keeps_gap: matches!(target, Target::Spacing(_)),
+            time_loss_s: 0.0,
+            command_mps: speed_mps,
+            clamp_mps: None,
+            ahead: None,
+            gap_rate_mps: 0.0,
+        }
     }
 
     /// Changes the vehicle so that its body can lead.
@@ -95,9 +110,19 @@ impl Leader {
     }
 
     /// Sets what the body drives towards in the coming step: the limit, or the speed that SUMO clamped it to.
-    pub fn set_target(&self, target: &Target, block: &mut Block, lane: usize) {
+    pub fn set_target(&self, target: &Target, block: &mut Block, lane: usize, step_s: f64) {
+        let free_mps = self.before.speed_max_mps.min(self.limit_mps * self.before.speed_factor);
         let (limit_mps, bound) = match target {
             Target::Profile(_) => (f64::INFINITY, Bound::Profile),
+            Target::Spacing(spacing) => {
+                let speed_mps = block.speed_mps(lane);
+                let own = Own { speed_mps, accel_mps2: block.acceleration_mps2(lane), free_mps };
+                let ahead = self
+                    .ahead
+                    .as_ref()
+                    .map(|(_, gap_m)| Ahead { gap_m: *gap_m, speed_mps: speed_mps + self.gap_rate_mps });
+                (spacing.next_mps(own, ahead, step_s), if ahead.is_some() { Bound::Profile } else { Bound::Limit })
+            }
             _ => (self.limit_mps * self.before.speed_factor, Bound::Limit),
         };
         match self.clamp_mps {
@@ -125,6 +150,16 @@ impl Leader {
         if !stopped && fastest_mps > 0.0 {
             self.time_loss_s += step_s * (fastest_mps - sumo_mps) / fastest_mps;
         }
+    }
+
+    /// Takes who is ahead at the end of a step, and the gap to it \[m\]. Its speed is known from how the gap changes, as it is to a radar;
+    /// of a vehicle that has just come in between it is taken to be the own.
+    pub fn see_ahead(&mut self, ahead: Option<(String, f64)>, step_s: f64) {
+        self.gap_rate_mps = match (&self.ahead, &ahead) {
+            (Some((before, before_m)), Some((now, now_m))) if before == now => (now_m - before_m) / step_s,
+            _ => 0.0,
+        };
+        self.ahead = ahead;
     }
 
     /// Compares SUMO's speed with the command; true if SUMO clamped it.

@@ -3,11 +3,12 @@
 
 use super::egos::{Ego, Presence};
 use super::lanes::Lanes;
+use super::platoon::AHEAD_M;
 use super::question::{Gets, Question};
 use crate::fleet::Slot;
 use crate::fleet::block::Block;
 use crate::fleet::follow::Bound;
-use crate::traci::vehicle;
+use crate::traci::{Leader, vehicle};
 
 /// The bit of a vehicle that stops as planned, in SUMO's stop state.
 const STOPPED: i32 = 1;
@@ -25,10 +26,12 @@ pub struct EgoQuestion {
     pub stop: bool,
     /// The slope of its road; only if bodies feel it.
     pub slope: bool,
+    /// Who is ahead, if its target keeps a gap.
+    pub ahead: bool,
 }
 
 /// What SUMO shows of an ego at the end of a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Observation<'a> {
     /// Speed v* [m/s]; `None` while SUMO carries the vehicle.
     speed_mps: Option<f64>,
@@ -40,6 +43,8 @@ pub struct Observation<'a> {
     stop: Option<i32>,
     /// Slope of the road, uphill positive \[degrees\].
     slope_deg: Option<f64>,
+    /// Who is ahead, and the gap to it.
+    ahead: Option<Leader>,
 }
 
 impl Question for EgoQuestion {
@@ -53,6 +58,7 @@ impl Question for EgoQuestion {
             lane: if self.lane { gets.text(vehicle::LANE) } else { None },
             stop: if self.stop { gets.integer(vehicle::STOP_STATE) } else { None },
             slope_deg: if self.slope { gets.number(vehicle::SLOPE) } else { None },
+            ahead: if self.ahead { gets.leader(AHEAD_M) } else { None },
         }
     }
 }
@@ -61,7 +67,8 @@ impl EgoQuestion {
     /// All that may ever be asked of an ego.
     pub fn whole(ego: &Ego, lanes: &Lanes, slope: bool) -> Self {
         let leads = ego.leader.is_some();
-        Self { slot: ego.slot, heading: true, lane: leads || lanes.have_friction(), stop: leads, slope }
+        let ahead = ego.leader.as_ref().is_some_and(|leader| leader.keeps_gap);
+        Self { slot: ego.slot, heading: true, lane: leads || lanes.have_friction(), stop: leads, slope, ahead }
     }
 
     /// What is asked of it now.
@@ -98,6 +105,7 @@ impl Observation<'_> {
         match &mut ego.leader {
             None => block.set_target(lane, speed_mps, Bound::Traffic),
             Some(leader) => {
+                leader.see_ahead(self.ahead.as_ref().map(|ahead| (ahead.id.clone(), ahead.gap_m)), step_s);
                 leader.lose_time(speed_mps, self.stop.is_some_and(|bits| bits & STOPPED != 0), step_s);
                 if leader.see_speed(speed_mps) {
                     block.set_bound(lane, Bound::Clamp);

@@ -79,10 +79,10 @@ pub trait Gets<'a> {
         self.value(variable.domain, variable.id, Some(With::Key(key)))?.as_str()
     }
 
-    /// The vehicle ahead within a distance \[m\].
-    fn leader(&mut self, ahead_m: f64) -> Option<String> {
+    /// The vehicle ahead within a distance \[m\], and the gap to it.
+    fn leader(&mut self, ahead_m: f64) -> Option<Leader> {
         let value = self.value(vehicle::LEADER.domain, vehicle::LEADER.id, Some(With::Distance(ahead_m)))?;
-        Option::<Leader>::from_value(value).ok()?.map(|leader| leader.id)
+        Option::<Leader>::from_value(value).ok()?
     }
 }
 

@@ -35,7 +35,7 @@ impl Question for ReadingQuestion {
 
     fn answer<'a>(&self, gets: &mut impl Gets<'a>) -> Reading<'a> {
         let (odometer_m, road) = (gets.number(vehicle::DISTANCE), gets.text(vehicle::ROAD));
-        let ahead = if self.platoons { gets.leader(AHEAD_M) } else { None };
+        let ahead = if self.platoons { gets.leader(AHEAD_M).map(|leader| leader.id) } else { None };
         Reading { odometer_m, road, ahead }
     }
 }

@@ -190,8 +190,8 @@ impl<S: Sumo> World<S> {
             if let (TraceRows::Periods(periods), true) = (self.trace.1, self.trace.0.names(&departed.object.id)) {
                 self.fleet.block_mut(slot).watch(slot.lane(), periods);
             }
-            let leader = departed.before.filter(|_| self.body_leads.in_group(group));
-            let leader = leader.map(|before| Leader::new(before, speed_mps));
+            let before = departed.before.filter(|_| self.body_leads.in_group(group));
+            let leader = before.map(|before| Leader::new(before, speed_mps, self.body_leads.target(group)));
             self.admitted.push(departed.object.id.clone());
             self.newcomers.push(slot);
             let mut ego = Ego {

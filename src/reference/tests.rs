@@ -1,6 +1,7 @@
 //! Profiles through their public interface, files included.
 
 use super::*;
+use crate::keys::Values;
 use crate::registry::find;
 use std::io::Write;
 

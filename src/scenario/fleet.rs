@@ -7,6 +7,7 @@ use super::{
     model::{Choice, Group, Scenario},
 };
 use crate::{
+    control::with_model,
     fleet::{GroupSetup, LoopConfig},
     keys::Keys,
     plant::{
@@ -29,6 +30,9 @@ impl Scenario {
     /// How the blocks of a group are made.
     pub fn blocks(&self, group: &Group) -> GroupSetup {
         let Choice { entry, values } = group.controller.clone();
+        // A law with a model has the actuators of the group for it, those in the middle where they differ.
+        let actuator = ActuatorKeys::from_values(&group.actuator.middle());
+        let values = with_model(&values, actuator.delay_s, actuator.lag_s);
         let period_s = self.coupling.control_period_s;
         GroupSetup {
             controller: Box::new(move || (entry.build)(&values, period_s)),

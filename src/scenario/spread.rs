@@ -60,6 +60,14 @@ impl Distribution {
         }
     }
 
+    /// The value in the middle.
+    fn middle(&self) -> f64 {
+        match *self {
+            Self::Normal { mean, .. } => mean,
+            Self::Uniform { min, max } => 0.5 * (min + max),
+        }
+    }
+
     /// Draws the value of `key` for the vehicle `id` in a run with `seed`. The same vehicle gets the same value whatever
     /// else is in the run.
     pub fn draw(&self, seed: u64, key: &str, id: &str) -> f64 {
@@ -109,8 +117,18 @@ impl PerVehicle {
 
     /// The largest values that a vehicle can get.
     pub fn largest(&self) -> Values {
+        self.all(Distribution::largest)
+    }
+
+    /// What is to be expected of a vehicle of which nothing is known.
+    pub fn middle(&self) -> Values {
+        self.all(Distribution::middle)
+    }
+
+    /// All values, with one of its distribution for each that is drawn.
+    fn all(&self, one: impl Fn(&Distribution) -> f64) -> Values {
         let mut values = self.values.clone();
-        values.0.extend(self.spread.iter().map(|(key, drawn)| (*key, Value::Number(drawn.largest()))));
+        values.0.extend(self.spread.iter().map(|(key, drawn)| (*key, Value::Number(one(drawn)))));
         values
     }
 }

@@ -5,9 +5,9 @@ use crate::keys::{Key, Kind};
 use crate::registry::find;
 use crate::scenario::{Catalog, Scenario};
 
-/// What counts as a gain, the most usual first. What a law believes about the vehicle (`accel_per_unit_mps2`), and bounds,
+/// What counts as a gain, the most usual first. What a law believes about the vehicle (`accel_per_unit_mps2`, `model_delay_s`), and bounds,
 /// are none: they are part of the condition.
-const GAINS: [&str; 6] = ["k_p", "window_s", "k_i", "epsilon", "memory_s", "k_d"];
+const GAINS: [&str; 8] = ["k_p", "window_s", "k_i", "epsilon", "memory_s", "k_d", "error_time_s", "integral_time_s"];
 /// How far from its default a gain is looked for, as a factor.
 const FAR: f64 = 100.0;
 /// What a gain whose default is 0 is looked for around.

@@ -15,7 +15,7 @@ use sumo_mfc::registry::find;
 use sumo_mfc::stats::{Sample, StatsBlock};
 use sumo_mfc::trig::Polynomial;
 
-const LAWS: [&str; 5] = ["adaptive", "classic", "calibrating", "pid", "ideal"];
+const LAWS: [&str; 8] = ["adaptive", "classic", "calibrating", "pid", "smith_pi", "lqi", "mpc", "ideal"];
 /// Control periods of a SUMO step of 0.1 s.
 const PERIODS: u32 = 10;
 
@@ -29,7 +29,7 @@ fn law(name: &str) -> Option<Box<dyn Controller>> {
 }
 
 /// Estimator and law; the last entry has none.
-#[divan::bench(args = &LAWS[..4])]
+#[divan::bench(args = &LAWS[..7])]
 fn controller(bencher: Bencher, name: &str) {
     let mut law = law(name).expect("a law");
     let observation = Observation {

@@ -39,8 +39,8 @@ failed or changed, and makes the tables anew.
 const OTHERS: &str = "
 ## Of the other commands
 
-`sumo-mfc report DIR` writes the page and its figures into that folder, or where `-o` says. `sumo-mfc man -o DIR` writes manual pages. All
-others print.
+`sumo-mfc report DIR` writes the page and its figures into that folder, or where `-o` says. `sumo-mfc man -o DIR` writes manual pages.
+`sumo-mfc tune` writes `tune.csv`, `sumo-mfc stability` writes `margins.csv`, `strings.csv`, and `sweep.csv`. All others print.
 ";
 
 /// Name, meaning and condition of the files in the folder of a run, and of a study.

@@ -16,6 +16,7 @@ mod outputs;
 mod quality;
 mod session;
 mod settings;
+mod spacing;
 mod step;
 mod strange;
 mod support;

@@ -33,6 +33,7 @@ const LAYERS: &[(&str, u8)] = &[
     ("report", 5),
     ("map", 6),
     ("tune", 6),
+    ("stability", 6),
     ("cli", 7),
     ("main", 8),
 ];
