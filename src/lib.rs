@@ -28,6 +28,7 @@
 //!
 //! # Features
 //! `cli`, the default, is the command line; `sim` is all but the command line; without features there is only [`traci`].
+//! `libsumo` adds SUMO in this process ([`run::Backend`]).
 
 #[cfg(feature = "cli")]
 pub mod cli;
