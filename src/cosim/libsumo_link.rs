@@ -9,7 +9,7 @@ use super::question::{Gets, NoAnswer, Object, Question, With};
 use super::sumo::{Joined, Sumo, Tell, tells_mass, value_text};
 use crate::stopwatch::Stopwatch;
 use crate::traci::wire::NO_VALUE;
-use crate::traci::{Color, Domain, SumoVersion, Value, finite, usable_speed, vehicle};
+use crate::traci::{Color, Domain, Leader, SumoVersion, Value, finite, usable_speed, vehicle};
 use std::time::Duration;
 use sumo_mfc_libsumo::{self as libsumo, Ids, Simulation};
 
@@ -45,6 +45,8 @@ enum Kept {
     Text(usize, usize),
     Position([f64; 2]),
     Colour(Color),
+    /// Who is ahead, from here to there in the texts, and the gap to it.
+    Leader(usize, usize, f64),
 }
 
 impl LibsumoLink {
@@ -223,6 +225,11 @@ impl Caller<'_> {
                 self.texts.push_str(text);
                 Kept::Text(begin, self.texts.len())
             }
+            libsumo::Value::Leader(id, gap_m) => {
+                let begin = self.texts.len();
+                self.texts.push_str(id);
+                Kept::Leader(begin, self.texts.len(), gap_m)
+            }
             libsumo::Value::Position([NO_VALUE, NO_VALUE]) => Kept::Missing,
             libsumo::Value::Position(at) => Kept::Position(at),
             libsumo::Value::Colour([red, green, blue, alpha]) => Kept::Colour(Color { red, green, blue, alpha }),
@@ -256,7 +263,7 @@ struct Reader<'a, 'v> {
 impl<'a> Gets<'a> for Reader<'a, '_> {
     fn value(&mut self, _: Domain, _: u8, _: Option<With<'_>>) -> Option<Value<'a>> {
         match *self.values.next()? {
-            Kept::Declined => None,
+            Kept::Declined | Kept::Leader(..) => None,
             Kept::Missing => Some(Value::Missing),
             Kept::Double(number) => Some(Value::Double(number)),
             Kept::Integer(number) => Some(Value::Int(number)),
@@ -266,10 +273,13 @@ impl<'a> Gets<'a> for Reader<'a, '_> {
         }
     }
 
-    /// Only the id of the vehicle ahead is asked for, and it comes as a text: empty if there is none.
-    fn leader(&mut self, ahead_m: f64) -> Option<String> {
-        let (domain, variable) = (vehicle::LEADER.domain, vehicle::LEADER.id);
-        let id = self.value(domain, variable, Some(With::Distance(ahead_m)))?.as_str()?;
-        (!id.is_empty()).then(|| id.to_owned())
+    /// It comes as one value, with an empty id if there is none.
+    fn leader(&mut self, _: f64) -> Option<Leader> {
+        match *self.values.next()? {
+            Kept::Leader(begin, end, gap_m) if begin < end => {
+                Some(Leader { id: self.texts[begin..end].to_owned(), gap_m })
+            }
+            _ => None,
+        }
     }
 }

@@ -85,14 +85,15 @@ impl<'a> Gets<'a> for Lookup<'a> {
     }
 }
 
-/// Collects the variables of a question, to subscribe to them. (Subscriptions with parameters are not needed: no
-/// question of every step has one.)
+/// Collects the variables of a question, to subscribe to them; those with a parameter are asked for by gets.
 #[derive(Default)]
 pub(super) struct Variables(pub Vec<u8>);
 
 impl<'a> Gets<'a> for Variables {
-    fn value(&mut self, _: Domain, variable: u8, _: Option<With<'_>>) -> Option<Value<'a>> {
-        self.0.push(variable);
+    fn value(&mut self, _: Domain, variable: u8, with: Option<With<'_>>) -> Option<Value<'a>> {
+        if with.is_none() {
+            self.0.push(variable);
+        }
         None
     }
 }

@@ -7,7 +7,7 @@
 use super::error::CosimError;
 use super::events::Events;
 use super::question::{Gets, NoAnswer, Object, Question, With};
-use super::subscriptions::{Subscriptions, Variables};
+use super::subscriptions::{Lookup, Subscriptions, Variables};
 use super::sumo::{Joined, Sumo, Tell, tells_mass, value_text};
 use crate::traci::{
     Batch, BatchError, Block, Client, Domain, Error, Never, Reply, Subscribed, Ticket, Value, Var, simulation, vehicle,
@@ -37,8 +37,8 @@ pub struct Asked<Q> {
 enum Source {
     /// The reply, from this command on.
     Reply(usize),
-    /// The subscription of this vehicle.
-    Subscription(Arc<str>),
+    /// The subscription of this vehicle; what has a parameter from the reply, from this command on.
+    Subscription(Arc<str>, usize),
     /// Nowhere: the question could not be sent.
     Nowhere(Box<BatchError>),
 }
@@ -189,14 +189,15 @@ impl Sumo for TraciLink {
         let subscribed = Q::EVERY_STEP && self.subscriptions.is_some();
         self.message.clear();
         let with_source = |(object, question): (&'o Object, Q)| {
-            if subscribed {
-                return (question, Source::Subscription(object.id.clone()));
-            }
             let first = self.message.len();
-            let mut writer = Writer { batch: &mut self.message, object, failed: None };
+            let mut writer = Writer { batch: &mut self.message, object, subscribed, failed: None };
             question.answer(&mut writer);
             // What was asked before a failure is answered and left unread.
-            let source = writer.failed.map_or(Source::Reply(first), |error| Source::Nowhere(Box::new(error)));
+            let source = match writer.failed {
+                Some(error) => Source::Nowhere(Box::new(error)),
+                None if subscribed => Source::Subscription(object.id.clone(), first),
+                None => Source::Reply(first),
+            };
             (question, source)
         };
         room.questions.extend(questions.map(with_source));
@@ -218,11 +219,11 @@ impl Sumo for TraciLink {
                 Source::Reply(first) => reply
                     .filter(|reply| reply.refusal(first).is_none())
                     .map(|reply| question.answer(&mut Reader { reply, next: first })),
-                Source::Subscription(id) => self
+                Source::Subscription(id, first) => self
                     .subscriptions
                     .as_ref()
                     .and_then(|subscriptions| subscriptions.values(&id))
-                    .map(|mut values| question.answer(&mut values)),
+                    .map(|values| question.answer(&mut Both { values, reply, next: first })),
                 Source::Nowhere(error) => {
                     each(question, Err(NoAnswer::Unaskable(*error)));
                     continue;
@@ -281,6 +282,8 @@ fn note_events(block: &Block<'_>, events: &mut Events) -> Result<(), CosimError>
 struct Writer<'b> {
     batch: &'b mut Batch,
     object: &'b Object,
+    /// What has no parameter comes by subscription.
+    subscribed: bool,
     failed: Option<BatchError>,
 }
 
@@ -289,6 +292,7 @@ impl<'a> Gets<'a> for Writer<'_> {
         let prefix = &self.object.prefix;
         // What the answers are is known to the question.
         let written = match with {
+            None if self.subscribed => return None,
             None => self.batch.get_by_prefix(Var::<f64>::new(domain, variable), prefix).map(drop),
             Some(With::Distance(distance_m)) => {
                 let variable = Var::<f64, Never, f64>::new(domain, variable);
@@ -300,6 +304,23 @@ impl<'a> Gets<'a> for Writer<'_> {
         };
         self.failed = self.failed.take().or(written.err());
         None
+    }
+}
+
+/// Reads what was subscribed to, and the answers to gets of what has a parameter.
+struct Both<'a> {
+    values: Lookup<'a>,
+    reply: Option<Reply<'a>>,
+    next: usize,
+}
+
+impl<'a> Gets<'a> for Both<'a> {
+    fn value(&mut self, domain: Domain, variable: u8, with: Option<With<'_>>) -> Option<Value<'a>> {
+        if with.is_none() {
+            return self.values.value(domain, variable, with);
+        }
+        self.next += 1;
+        self.reply?.value(self.next - 1).ok()?
     }
 }
 

@@ -70,7 +70,7 @@ fn compare(scenario: &Path, args: &[&str]) -> BTreeMap<String, String> {
 /// Every controller on four networks, one of them geographic, one with steps of a second.
 #[test]
 fn law_every_controller_on_four_networks() {
-    for controller in ["ideal", "classic", "adaptive", "calibrating", "pid"] {
+    for controller in ["ideal", "classic", "adaptive", "calibrating", "pid", "smith_pi", "lqi", "mpc"] {
         let of = |scenario: PathBuf, args: &[&str]| {
             let files = compare(&scenario, &[&["--controller", controller, "--trace", "all"], args].concat());
             assert!(files["trace.csv"].lines().count() > 500, "{}", scenario.display());
@@ -87,8 +87,9 @@ fn law_every_controller_on_four_networks() {
 fn law_everything_that_is_asked_and_told() {
     let traced = ["--trace", "all"];
     for (scenario, args) in [
-        // The body leads: speed mode, factor, limits.
+        // The body leads: speed mode, factor, limits, who is ahead.
         (own("city"), &["--target", "limit", "--end", "120"][..]),
+        (own("city"), &["--target", "path_cacc", "--end", "120"]),
         (repository("scenarios/racing.toml"), &["--end", "40"]),
         (repository("scenarios/sine.toml"), &["--end", "30"]),
         // Parameters, SUMO's own measurements, imperfection, headway, leaders.

@@ -45,7 +45,13 @@ fn law_the_resolved_scenario_gives_the_same_result() {
 /// knows; a shared one is told everything in one message, and read by subscriptions. It is the same drive.
 #[test]
 fn law_how_sumo_is_asked_and_told_changes_nothing() {
-    let args = ["--end", "240", "--step-length", "0.5", "--trace", "all", "--trace-period", "5"];
+    for target in ["traffic", "path_cacc"] {
+        shared_is_the_same(target);
+    }
+}
+
+fn shared_is_the_same(target: &str) {
+    let args = ["--target", target, "--end", "240", "--step-length", "0.5", "--trace", "all", "--trace-period", "5"];
     let first = run(NEW, &own("city"), &args);
     let port = free_port();
     let folder = tempfile::tempdir().unwrap();

@@ -18,6 +18,7 @@ pub const DOUBLE: c_int = 1;
 pub const INTEGER: c_int = 2;
 pub const POSITION: c_int = 4;
 pub const COLOUR: c_int = 5;
+pub const LEADER: c_int = 6;
 
 /// A value as the shim gives it.
 #[repr(C)]

@@ -93,6 +93,8 @@ pub enum Value<'a> {
     Position([f64; 2]),
     /// Red, green, blue, alpha.
     Colour([u8; 4]),
+    /// The vehicle ahead, empty if there is none, and the gap to it \[m\].
+    Leader(&'a str, f64),
 }
 
 /// What is said along with a variable.
@@ -401,12 +403,15 @@ impl Simulation {
             api::INTEGER => Value::Integer(answer.integer),
             api::POSITION => Value::Position(answer.numbers),
             api::COLOUR => Value::Colour(answer.colour),
-            _ => {
-                // SAFETY: the shim's text, which stays until the next call, and that needs `&mut self`.
-                let bytes = unsafe { api::bytes(answer.text, answer.length) };
-                let broken = |_| Error::Text(String::from_utf8_lossy(bytes).into_owned());
-                Value::Text(std::str::from_utf8(bytes).map_err(broken)?)
-            }
+            api::LEADER => Value::Leader(self.text(answer)?, answer.numbers[0]),
+            _ => Value::Text(self.text(answer)?),
         })
+    }
+
+    fn text(&self, answer: &Answer) -> Result<&str, Error> {
+        // SAFETY: the shim's text, which stays until the next call, and that needs `&mut self`.
+        let bytes = unsafe { api::bytes(answer.text, answer.length) };
+        let broken = |_| Error::Text(String::from_utf8_lossy(bytes).into_owned());
+        std::str::from_utf8(bytes).map_err(broken)
     }
 }

@@ -27,7 +27,7 @@ using libsumo::VehicleType;
 namespace {
 
 enum Status { DONE = 0, REFUSED = 1, FAILED = 2, UNKNOWN = 3 };
-enum Kind { DOUBLE = 1, INTEGER = 2, TEXT = 3, POSITION = 4, COLOUR = 5 };
+enum Kind { DOUBLE = 1, INTEGER = 2, TEXT = 3, POSITION = 4, COLOUR = 5, LEADER = 6 };
 
 std::string id, key, value, text, error;
 
@@ -104,7 +104,13 @@ int vehicle(int variable, double with, Answer* to) {
         case libsumo::VAR_SPEEDSETMODE: return integer(to, Vehicle::getSpeedMode(id));
         case libsumo::VAR_MAXSPEED: return number(to, Vehicle::getMaxSpeed(id));
         case libsumo::VAR_PARAMETER: return words(to, Vehicle::getParameter(id, key));
-        case libsumo::VAR_LEADER: return words(to, std::move(Vehicle::getLeader(id, with).first));
+        case libsumo::VAR_LEADER: {
+            std::pair<std::string, double> ahead = Vehicle::getLeader(id, with);
+            words(to, std::move(ahead.first));
+            to->kind = LEADER;
+            to->numbers[0] = ahead.second;
+            return DONE;
+        }
         case libsumo::VAR_POSITION: {
             const libsumo::TraCIPosition at = Vehicle::getPosition(id);
             to->kind = POSITION;
