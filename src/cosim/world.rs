@@ -149,12 +149,8 @@ impl<S: Sumo> World<S> {
         // Only now: each question about a vehicle that has left would be an error in SUMO's log.
         let mut chunks = self.ask_egos()?;
         let departed = self.admission.ask(&mut self.sumo, &mut self.records.counters)?;
-        let readings = self.readings.ask(
-            self.readings.are_due(self.steps),
-            std::mem::take(&mut self.readings_room),
-            &mut self.sumo,
-            &self.egos,
-        )?;
+        let (are_due, room) = (self.readings.are_due(self.steps), std::mem::take(&mut self.readings_room));
+        let readings = self.readings.ask(are_due, room, &mut self.sumo, &self.egos)?;
         // In a collision or a teleport vehicles of other chunks matter: then all answers are heard before any body drives.
         if !self.events.is_quiet() {
             for chunk in &mut chunks {
