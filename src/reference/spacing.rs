@@ -135,7 +135,7 @@ mod tests {
             assert!((at(-10.0) - 14.6).abs() < 1e-12 && (at(1000.0) - 15.2).abs() < 1e-12, "{name}");
             assert_eq!(law.next_mps(Own { free_mps: 15.0, ..own }, None, 0.1), 15.0, "{name}");
             assert_eq!(
-                law.next_mps(Own { speed_mps: 0.1, ..own }, Some(Ahead { gap_m: 0.0, speed_mps: 0.0 }), 1.0),
+                law.next_mps(Own { speed_mps: 0.1, ..own }, Some(Ahead { gap_m: -10.0, speed_mps: 0.0 }), 1.0),
                 0.0
             );
         }

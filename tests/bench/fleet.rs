@@ -45,6 +45,24 @@ fn controller(bencher: Bencher, name: &str) {
     });
 }
 
+/// The same for `mpc` while the torque limits bind, so that its program has to be solved.
+#[divan::bench]
+fn mpc_at_its_limits(bencher: Bencher) {
+    let mut law = law("mpc").expect("a law");
+    let observation = Observation {
+        measured_mps: [5.0; LANES],
+        reference_mps: [15.0; LANES],
+        nominal_nm_per_mps2: [500.0; LANES],
+        ..Observation::default()
+    };
+    let cut_off = Actuation { commanded_mps2: [3.0; LANES], saturated_mps2: [2.0; LANES], applied_mps2: [2.0; LANES] };
+    let mut command = Command::default();
+    bencher.counter(ItemsCount::new(LANES)).bench_local(|| {
+        law.command(black_box(&observation), &mut command);
+        law.feedback(black_box(&cut_off));
+    });
+}
+
 /// All vehicles with the same dead time, and each with its own.
 #[divan::bench(args = [0.0, 0.01])]
 fn actuators(bencher: Bencher, apart_s: f64) {
