@@ -50,7 +50,8 @@ keys! {
 }
 
 pub(super) fn entry() -> Entry<Build> {
-    let summary = "linear-quadratic regulator with integral action, predicted over the dead time, gains scheduled over speed";
+    let summary =
+        "linear-quadratic regulator with integral action, predicted over the dead time, gains scheduled over speed";
     law("lqi", summary, |keys: LqiKeys, period_s| {
         let late = Lateness::of(&keys.model, period_s);
         let gains = std::array::from_fn(|at| gains(&keys, late, STEP_MPS * at as f64));

@@ -50,7 +50,8 @@ keys! {
 }
 
 pub(super) fn entry() -> Entry<Build> {
-    let summary = "model predictive control over a short horizon, with dead time, lag and the torque limits that it hears of";
+    let summary =
+        "model predictive control over a short horizon, with dead time, lag and the torque limits that it hears of";
     law("mpc", summary, |keys: MpcKeys, period_s| {
         let late = Lateness::of(&keys.model, period_s);
         Mpc::new(Law::new(&keys, period_s), ActuatorModel::new(late))
@@ -384,7 +385,9 @@ mod tests {
                     first = first.max((found[0] - best[0]).abs());
                     excess = excess.max((cost - least) / least.abs());
                 }
-                println!("lag {lag_s} s, T_e {error_time_s} s: first move off by {first:.1e} m/s2, cost by {excess:.1e}");
+                println!(
+                    "lag {lag_s} s, T_e {error_time_s} s: first move off by {first:.1e} m/s2, cost by {excess:.1e}"
+                );
                 assert!(first < 0.05 && excess < 0.01, "lag {lag_s} T_e {error_time_s}: {first} m/s2, {excess}");
             }
         }

@@ -36,9 +36,11 @@ keys! {
 }
 
 pub(super) fn entry() -> Entry<Build> {
-    law("smith_pi", "PI with a Smith predictor for the actuators' dead time (Smith 1957)", |keys: SmithKeys, period_s| {
-        SmithPi::new(keys, ActuatorModel::new(Lateness::of(&keys.model, period_s)))
-    })
+    law(
+        "smith_pi",
+        "PI with a Smith predictor for the actuators' dead time (Smith 1957)",
+        |keys: SmithKeys, period_s| SmithPi::new(keys, ActuatorModel::new(Lateness::of(&keys.model, period_s))),
+    )
 }
 
 columns! {
@@ -92,7 +94,7 @@ vectorised! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::loop_tests::{Plant, PERIOD_S};
+    use crate::control::loop_tests::{PERIOD_S, Plant};
 
     #[test]
     fn law_the_closed_loop_is_the_promised_one() {
