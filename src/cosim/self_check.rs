@@ -110,6 +110,8 @@ impl Question for SpeedQuestion {
 /// What SUMO takes for the speeds of these vehicles [m/s], now that it has been told those of the bodies.
 async fn sumo_speeds_mps<S: Sumo>(world: &mut World<S>, vehicles: &[Object]) -> Result<Vec<Option<f64>>, CosimError> {
     let sumo = world.sumo_mut();
+    // They would go with the next step.
+    sumo.hand_over().await?;
     let asked = sumo.ask(vehicles.iter().map(|vehicle| (vehicle, SpeedQuestion)))?;
     let mut speeds_mps = Vec::new();
     let note = |_: SpeedQuestion, speed: Result<Option<f64>, NoAnswer>| speeds_mps.push(speed.ok().flatten());
