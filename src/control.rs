@@ -10,6 +10,7 @@ mod chunks;
 mod controller;
 mod estimator;
 mod mfc;
+mod observer;
 mod riccati;
 
 use crate::registry::Entry;

@@ -79,6 +79,8 @@ columns! {
             ring: Vec<Lanes> = vec![[0.0; LANES]; late.whole + 2],
         }
         columns {
+            /// What the limits cut off the last torque [m/s²].
+            pub(super) excess_mps2: f64 = 0.0,
             /// a_{k−1}.
             pub(super) ahead_mps2: f64 = 0.0,
             /// a_{k−1−d}, which acts.
@@ -94,6 +96,7 @@ columns! {
 impl ActuatorModel {
     /// Takes what was sent in this period.
     pub fn take(&mut self, actuation: &Actuation) {
+        self.excess_mps2 = std::array::from_fn(|i| actuation.commanded_mps2[i] - actuation.saturated_mps2[i]);
         self.head = if self.head + 1 < self.ring.len() { self.head + 1 } else { 0 };
         let row = |back: usize| (self.head + self.ring.len() - back) % self.ring.len();
         let [newer, older] = [row(self.late.whole), row(self.late.whole + 1)];

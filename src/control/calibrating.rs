@@ -47,6 +47,7 @@
 
 use super::bounds::{INPUT_MAX_MPS2, RateKeys};
 use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::observer::Observer;
 use crate::columns::{Slots, columns};
 use crate::keys;
 use crate::lanes::{LANES, vectorised};
@@ -97,10 +98,7 @@ struct Law {
     rate: RateKeys,
     /// T/4, the time constant of H \[s\].
     filter_s: f64,
-    /// 1 − p², what of an innovation goes into ŷ.
-    speed_gain: f64,
-    /// (1 − p)²/Δt, what of it goes into F̂ [1/s].
-    rate_gain_per_s: f64,
+    observer: Observer,
     /// Share of a period's sample in a mean over [`SMOOTHING_S`].
     smoothing: f64,
     /// Share of a period's sample in a mean over `memory_s`.
@@ -164,15 +162,13 @@ columns! {
 
 impl Law {
     fn new(keys: &CalibratingKeys, period_s: f64) -> Self {
-        let pole = libm::exp(-4.0 * period_s / keys.window_s);
         Self {
             period_s,
             k_p: keys.k_p,
             accel_per_unit_mps2: keys.accel_per_unit_mps2,
             rate: keys.rate,
             filter_s: 0.25 * keys.window_s,
-            speed_gain: 1.0 - pole * pole,
-            rate_gain_per_s: (1.0 - pole) * (1.0 - pole) / period_s,
+            observer: Observer::new(keys.window_s, period_s),
             smoothing: 1.0 - libm::exp(-period_s / SMOOTHING_S),
             forgetting: 1.0 - libm::exp(-period_s / keys.memory_s),
         }
@@ -213,12 +209,8 @@ vectorised! {
     /// The observer's correction by the measured speed.
     fn observe(law: &Law, observed: &Observation, m: &mut Motion) {
         for i in 0..LANES {
-            let innovation = observed.measured_mps[i] - m.y_mps[i];
-            m.y_mps[i] += law.speed_gain * innovation;
-            m.d_mps2[i] += law.rate_gain_per_s * innovation;
-            let innovation = -m.from_v_mps[i];
-            m.from_v_mps[i] += law.speed_gain * innovation;
-            m.from_v_mps2[i] += law.rate_gain_per_s * innovation;
+            law.observer.correct(observed.measured_mps[i], &mut m.y_mps[i], &mut m.d_mps2[i]);
+            law.observer.correct(0.0, &mut m.from_v_mps[i], &mut m.from_v_mps2[i]);
         }
     }
 }

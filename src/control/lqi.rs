@@ -21,7 +21,7 @@
 //! 40 m/s it takes 2 % off K.
 
 use super::actuator_model::{ActuatorModel, Lateness, ModelKeys};
-use super::bounds::{INPUT_MAX_MPS2, RateKeys};
+use super::bounds::RateKeys;
 use super::controller::{Actuation, Build, Command, Controller, Observation, law};
 use super::riccati::{Matrix, Vector, regulator};
 use crate::columns::{Slots, columns};
@@ -31,6 +31,8 @@ use crate::registry::Entry;
 
 /// Speeds that K is solved for are this far apart [m/s].
 const STEP_MPS: f64 = 10.0;
+/// Bound on the integrated error \[m\].
+const INTEGRAL_MAX_M: f64 = 1e6;
 /// How many there are, from 0 on.
 const SPEEDS: usize = 7;
 
@@ -85,8 +87,6 @@ columns! {
         columns {
             /// q \[m\].
             integral_m: f64 = 0.0,
-            /// What the limits cut off the last torque [m/s²].
-            excess: f64 = 0.0,
         }
     }
 }
@@ -97,7 +97,6 @@ impl Controller for Lqi {
     }
 
     fn feedback(&mut self, actuation: &Actuation) {
-        self.excess = std::array::from_fn(|i| actuation.commanded_mps2[i] - actuation.saturated_mps2[i]);
         self.model.take(actuation);
     }
 
@@ -122,8 +121,8 @@ vectorised! {
             let q_ahead = law.integral_m[i] + delay_s * e + on_the_way_m;
             let v = rate - gain(0) * e_ahead - gain(1) * (law.model.ahead_mps2[i] - rate) - gain(2) * q_ahead;
             let step = period_s * e;
-            let step = if step * law.excess[i] < 0.0 { 0.0 } else { step };
-            law.integral_m[i] = (law.integral_m[i] + step).clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
+            let step = if step * law.model.excess_mps2[i] < 0.0 { 0.0 } else { step };
+            law.integral_m[i] = (law.integral_m[i] + step).clamp(-INTEGRAL_MAX_M, INTEGRAL_MAX_M);
             command.ask(i, v, observed.nominal_nm_per_mps2[i], 1.0);
         }
     }

@@ -23,6 +23,7 @@
 use super::actuator_model::{ActuatorModel, Lateness, ModelKeys};
 use super::bounds::{INPUT_MAX_MPS2, RateKeys};
 use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::observer::Observer;
 use super::riccati::{Matrix, Regulator, Vector, apply, dot, regulator};
 use crate::columns::{Slots, columns};
 use crate::keys;
@@ -63,9 +64,7 @@ pub(super) fn entry() -> Entry<Build> {
 struct Law {
     rate: RateKeys,
     period_s: f64,
-    /// The observer's gains, as in `calibrating.rs`.
-    speed_gain: f64,
-    rate_gain_per_s: f64,
+    observer: Observer,
     /// A and B over one move.
     step: Matrix<2>,
     input: Vector<2>,
@@ -90,12 +89,10 @@ impl Law {
         let (hessian, slope) = condense(&step, &input, &regulator.cost, effort);
         let row_sum = |row: &[f64; MOVES]| row.iter().map(|x| x.abs()).sum::<f64>();
         let most = hessian.iter().map(row_sum).fold(0.0, f64::max);
-        let pole = libm::exp(-4.0 * period_s / keys.window_s);
         Self {
             rate: keys.rate,
             period_s,
-            speed_gain: 1.0 - pole * pole,
-            rate_gain_per_s: (1.0 - pole) * (1.0 - pole) / period_s,
+            observer: Observer::new(keys.window_s, period_s),
             step,
             input,
             regulator,
@@ -219,11 +216,9 @@ vectorised! {
     fn set_up(mpc: &mut Mpc, observed: &Observation, keep: &mut Lanes, program: &mut Program) {
         let delay_s = mpc.model.late.delay_s();
         for i in 0..LANES {
-            let innovation = observed.measured_mps[i] - mpc.motion.y_mps[i];
-            let y_hat = mpc.motion.y_mps[i] + mpc.law.speed_gain * innovation;
-            let f_hat = mpc.motion.f_hat_mps2[i] + mpc.law.rate_gain_per_s * innovation;
-            mpc.motion.y_mps[i] = y_hat;
-            mpc.motion.f_hat_mps2[i] = f_hat;
+            let motion = &mut mpc.motion;
+            mpc.law.observer.correct(observed.measured_mps[i], &mut motion.y_mps[i], &mut motion.f_hat_mps2[i]);
+            let (y_hat, f_hat) = (motion.y_mps[i], motion.f_hat_mps2[i]);
             keep[i] = mpc.law.rate.bound(observed.reference_rate_mps2[i]) - f_hat;
             let e = y_hat - observed.reference_mps[i];
             program.state[0][i] = e + mpc.model.pending_mps[i] - delay_s * keep[i];

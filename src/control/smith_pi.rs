@@ -54,8 +54,6 @@ columns! {
         columns {
             /// I_{k−1} [m/s²].
             integral: f64 = 0.0,
-            /// What the limits cut off the last torque [m/s²].
-            excess: f64 = 0.0,
         }
     }
 }
@@ -66,7 +64,6 @@ impl Controller for SmithPi {
     }
 
     fn feedback(&mut self, actuation: &Actuation) {
-        self.excess = std::array::from_fn(|i| actuation.commanded_mps2[i] - actuation.saturated_mps2[i]);
         self.model.take(actuation);
     }
 
@@ -83,7 +80,7 @@ vectorised! {
             let e = observed.measured_mps[i] - observed.reference_mps[i];
             let e_ahead = e + law.model.pending_mps[i] - late.delay_s() * (rate + law.integral[i]);
             let step = -keys.k_i * late.period_s * e_ahead;
-            let step = if step * law.excess[i] > 0.0 { 0.0 } else { step };
+            let step = if step * law.model.excess_mps2[i] > 0.0 { 0.0 } else { step };
             law.integral[i] = (law.integral[i] + step).clamp(-INPUT_MAX_MPS2, INPUT_MAX_MPS2);
             let accel = rate + law.integral[i] - keys.k_p * e_ahead;
             command.ask(i, accel, observed.nominal_nm_per_mps2[i], 1.0);
