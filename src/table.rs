@@ -6,6 +6,11 @@
 use serde::Serialize;
 use std::sync::Arc;
 
+/// A number to four significant digits, which is what a reader takes in.
+pub fn rounded(number: f64) -> f64 {
+    format!("{number:.3e}").parse().unwrap_or(number)
+}
+
 /// One value of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cell<'a> {

@@ -3,7 +3,7 @@
 use super::job::Job;
 use super::margins::Margins;
 use super::strings::{Gain, StringFound};
-use crate::table::{Layout, record};
+use crate::table::{Layout, record, rounded};
 
 record! {
     /// A law's loop.
@@ -69,11 +69,6 @@ pub fn string_layout() -> Layout<StringRow> {
 /// The columns of `sweep.csv`.
 pub fn sweep_layout() -> Layout<SweepRow> {
     Layout::of_record(["stability", "frequency"], "One row per upper law, law, lag, dead time and period of the leader")
-}
-
-/// Four significant digits: more say nothing here.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }
 
 pub(super) fn margin_row(job: &Job, found: &Margins) -> MarginRow {

@@ -3,7 +3,7 @@
 use super::drives::Trial;
 use super::tuned::Tuned;
 use crate::study::Estimate;
-use crate::table::{Layout, record};
+use crate::table::{Layout, record, rounded};
 
 record! {
     /// A law in a condition.
@@ -75,9 +75,4 @@ pub fn row(law: &Tuned, here: Tested, once: Tested) -> TunedRow {
         once_ratio_ci95: half(once_ratio),
         unfinished: (here.trial.unfinished() + once.trial.unfinished()) as u64,
     }
-}
-
-/// Four significant digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
 }

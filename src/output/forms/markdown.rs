@@ -1,7 +1,7 @@
 //! A table of GitHub Flavored Markdown (its specification, section 4.10).
 
 use crate::output::text::append;
-use crate::table::{Cell, Column, Kind};
+use crate::table::{Cell, Column, Kind, rounded};
 
 /// Header, alignments, then a line per row: numbers to the right.
 pub fn text(columns: &[Column], rows: &[Vec<Cell<'_>>]) -> String {
@@ -19,10 +19,9 @@ fn title(column: &Column) -> String {
     escaped(&column.unit.as_ref().map_or(column.name.clone(), |unit| format!("{} [{unit}]", column.name)))
 }
 
-/// Numbers to four digits, which is what a reader takes in.
+/// Numbers to four digits.
 fn cell(cell: &Cell<'_>) -> String {
     let mut text = String::new();
-    let rounded = |number: f64| format!("{number:.3e}").parse().unwrap_or(number);
     append(&mut text, if let Cell::Number(number) = *cell { Cell::Number(number.map(rounded)) } else { *cell });
     escaped(&text)
 }
