@@ -46,7 +46,7 @@ pub struct Ego {
     /// Index of the road that it was last seen on.
     pub road: Option<u32>,
     /// Set if its body leads.
-    pub leader: Option<Leader>,
+    pub leader: Option<Box<Leader>>,
     /// True if its driver decides less often than SUMO steps, and keeps an acceleration in between.
     pub keeps_plan: bool,
     /// Whom it follows.

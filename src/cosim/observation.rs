@@ -79,7 +79,7 @@ impl EgoQuestion {
 
 impl Observation<'_> {
     /// Writes what SUMO shows into the ego and its columns, before the body follows it.
-    pub fn apply(&self, ego: &mut Ego, block: &mut Block, lanes: &mut Lanes, step_s: f64) {
+    pub fn apply(self, ego: &mut Ego, block: &mut Block, lanes: &mut Lanes, step_s: f64) {
         let lane = ego.slot.lane();
         if let Some(id) = self.lane {
             lanes.see(ego, block, id);
@@ -105,7 +105,7 @@ impl Observation<'_> {
         match &mut ego.leader {
             None => block.set_target(lane, speed_mps, Bound::Traffic),
             Some(leader) => {
-                leader.see_ahead(self.ahead.as_ref().map(|ahead| (ahead.id.clone(), ahead.gap_m)), step_s);
+                leader.see_ahead(self.ahead.map(|ahead| (ahead.id, ahead.gap_m)), step_s);
                 leader.lose_time(speed_mps, self.stop.is_some_and(|bits| bits & STOPPED != 0), step_s);
                 if leader.see_speed(speed_mps) {
                     block.set_bound(lane, Bound::Clamp);

@@ -219,11 +219,11 @@ impl Sumo for TraciLink {
                 Source::Reply(first) => reply
                     .filter(|reply| reply.refusal(first).is_none())
                     .map(|reply| question.answer(&mut Reader { reply, next: first })),
-                Source::Subscription(id, first) => self
-                    .subscriptions
-                    .as_ref()
-                    .and_then(|subscriptions| subscriptions.values(&id))
-                    .map(|values| question.answer(&mut Both { values, reply, next: first })),
+                Source::Subscription(id, first) => {
+                    self.subscriptions.as_ref().and_then(|subscriptions| subscriptions.values(&id)).map(|values| {
+                        question.answer(&mut Both { values, gets: reply.map(|reply| Reader { reply, next: first }) })
+                    })
+                }
                 Source::Nowhere(error) => {
                     each(question, Err(NoAnswer::Unaskable(*error)));
                     continue;
@@ -310,17 +310,15 @@ impl<'a> Gets<'a> for Writer<'_> {
 /// Reads what was subscribed to, and the answers to gets of what has a parameter.
 struct Both<'a> {
     values: Lookup<'a>,
-    reply: Option<Reply<'a>>,
-    next: usize,
+    gets: Option<Reader<'a>>,
 }
 
 impl<'a> Gets<'a> for Both<'a> {
     fn value(&mut self, domain: Domain, variable: u8, with: Option<With<'_>>) -> Option<Value<'a>> {
-        if with.is_none() {
-            return self.values.value(domain, variable, with);
+        match with {
+            None => self.values.value(domain, variable, with),
+            Some(_) => self.gets.as_mut()?.value(domain, variable, with),
         }
-        self.next += 1;
-        self.reply?.value(self.next - 1).ok()?
     }
 }
 

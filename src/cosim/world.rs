@@ -187,7 +187,7 @@ impl<S: Sumo> World<S> {
                 self.fleet.block_mut(slot).watch(slot.lane(), periods);
             }
             let before = departed.before.filter(|_| self.body_leads.in_group(group));
-            let leader = before.map(|before| Leader::new(before, speed_mps, self.body_leads.target(group)));
+            let leader = before.map(|before| Box::new(Leader::new(before, speed_mps, self.body_leads.target(group))));
             self.admitted.push(departed.object.id.clone());
             self.newcomers.push(slot);
             let mut ego = Ego {

@@ -38,6 +38,7 @@ impl Host {
     /// Starts SUMO, or joins one that runs.
     pub async fn reach(&mut self, options: &SessionOptions, result: &mut ResultWriter) -> Result<Reached, RunError> {
         let sumo = result.scenario.sumo.clone();
+        let sumo_is_shared = sumo.is_shared();
         if let Some(why) = needs_traci(&sumo).filter(|_| options.backend == Backend::Libsumo) {
             return Err(RunError::Backend(why.to_owned()));
         }
@@ -45,7 +46,7 @@ impl Host {
         if let Some(address) = sumo.connect {
             let mut client = Client::join(address, REACH.min(patience), patience).await?;
             client.set_order(1).await?;
-            return Ok(over_traci(client, true));
+            return Ok(over_traci(client, sumo_is_shared));
         }
         let binary = find_named(options.sumo.as_deref(), if sumo.gui { "sumo-gui" } else { "sumo" })?;
         if let Some(reached) = self.here(&binary, options, result).await? {
@@ -55,11 +56,10 @@ impl Host {
         *self = Self::Process(Box::new(SumoProcess::spawn(&binary, &arguments, sumo.port, &result.dir.sumo()?)?));
         let Self::Process(process) = self else { unreachable!("it was started") };
         let mut client = process.connect(patience).await?;
-        let shared = sumo.num_clients > 1;
-        if shared {
+        if sumo_is_shared {
             client.set_order(1).await?;
         }
-        Ok(over_traci(client, shared))
+        Ok(over_traci(client, sumo_is_shared))
     }
 
     /// Loads SUMO into this process, if that is wanted and can be.

@@ -29,6 +29,6 @@ pub fn world(scenario: &Scenario) -> Result<WorldSetup, RunError> {
         sigma: scenario.traffic.sigma,
         trace: (scenario.output.trace.clone(), scenario.output.trace_period_s),
         display: Display { signals: scenario.sumo.fcd, colours: scenario.sumo.gui },
-        shared: scenario.sumo.connect.is_some() || scenario.sumo.num_clients > 1,
+        shared: scenario.sumo.is_shared(),
     })
 }

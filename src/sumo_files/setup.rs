@@ -77,6 +77,11 @@ impl SumoSetup {
         }
     }
 
+    /// True if other clients may be at the SUMO.
+    pub fn is_shared(&self) -> bool {
+        self.connect.is_some() || self.num_clients > 1
+    }
+
     /// All files that are named for SUMO to load.
     pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.config.iter().chain(&self.net).chain(&self.routes).chain(&self.additional).chain(&self.load_state)
