@@ -96,7 +96,7 @@ fn law_a_step_without_comings_and_goings_allocates_nothing() {
     let folder = tempfile::tempdir().unwrap();
     // As many blocks as are shared out among threads.
     let config = straight_road(folder.path(), &queues(60));
-    for controller in ["adaptive", "classic", "calibrating", "pid", "smith_pi", "lqi", "mpc", "ideal"] {
+    for controller in CONTROLLERS.iter().map(|entry| entry.name) {
         let (egos, stats) = count(&config, controller, 0.1, 20, 60);
         assert_eq!(egos, 120, "{controller}");
         assert_eq!(stats.allocations + stats.reallocations, 0, "{controller}: {stats:?}");

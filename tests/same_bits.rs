@@ -67,7 +67,7 @@ fn drive(controller: &str, set: InstructionSet, threads: usize, vehicles: std::o
 
 #[test]
 fn law_every_instruction_set_gives_the_same_bits() {
-    for controller in ["adaptive", "classic", "calibrating", "pid", "smith_pi", "lqi", "mpc", "ideal"] {
+    for controller in CONTROLLERS.iter().map(|entry| entry.name) {
         let expected = drive(controller, InstructionSet::Baseline, 1, 0..48);
         for set in InstructionSet::available() {
             assert_eq!(drive(controller, set, 1, 0..48), expected, "{controller}, {set:?}");

@@ -35,6 +35,19 @@ fn vehicle(kind: usize) -> VehicleSetup {
     }
 }
 
+/// A block costs as much with one vehicle as when it is full: whoever comes takes the lowest slot that is free.
+#[test]
+fn vehicles_gather_in_the_first_blocks() {
+    let mut fleet = fleet(find("controller", &CONTROLLERS, "pid").unwrap(), PLANTS[0].name);
+    let slots: Vec<Slot> = (0..40).map(|_| fleet.admit(0, vehicle(0))).collect();
+    assert!(slots.iter().enumerate().all(|(place, slot)| slot.index() == place), "{slots:?}");
+    for place in [3, 37, 20] {
+        fleet.release(slots[place]);
+    }
+    let taken: Vec<usize> = (0..4).map(|_| fleet.admit(0, vehicle(0)).index()).collect();
+    assert_eq!(taken, [3, 20, 37, 40]);
+}
+
 /// What a kind of vehicle is asked for in a step: traffic, speeds that are held, a profile over time; it comes to a stop,
 /// starts again, is carried away and put back.
 fn steer(block: &mut Block, slot: usize, kind: usize, step: u32) {

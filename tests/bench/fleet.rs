@@ -15,12 +15,15 @@ use sumo_mfc::registry::find;
 use sumo_mfc::stats::{Sample, StatsBlock};
 use sumo_mfc::trig::Polynomial;
 
-const LAWS: [&str; 8] = ["adaptive", "classic", "calibrating", "pid", "smith_pi", "lqi", "mpc", "ideal"];
 /// Control periods of a SUMO step of 0.1 s.
 const PERIODS: u32 = 10;
 
 fn main() {
     divan::main();
+}
+
+fn laws() -> impl Iterator<Item = &'static str> {
+    CONTROLLERS.iter().map(|entry| entry.name)
 }
 
 fn law(name: &str) -> Option<Box<dyn Controller>> {
@@ -29,7 +32,7 @@ fn law(name: &str) -> Option<Box<dyn Controller>> {
 }
 
 /// Estimator and law; the last entry has none.
-#[divan::bench(args = &LAWS[..7])]
+#[divan::bench(args = laws().filter(|name| *name != "ideal"))]
 fn controller(bencher: Bencher, name: &str) {
     let mut law = law(name).expect("a law");
     let observation = Observation {
@@ -140,9 +143,9 @@ fn closed_loop(bencher: Bencher, name: &'static str, set: InstructionSet, vehicl
 }
 
 /// A SUMO step of 0.1 s of one block: ten control periods with measurement, law, actuators, steering, body, statistics.
-#[divan::bench(args = LAWS)]
+#[divan::bench(args = laws())]
 fn step(bencher: Bencher, name: &str) {
-    let name = LAWS.into_iter().find(|law| *law == name).expect("one of them");
+    let name = laws().find(|law| *law == name).expect("one of them");
     closed_loop(bencher, name, InstructionSet::available()[0], LANES);
 }
 

@@ -14,10 +14,10 @@ use nix::sys::time::TimeValLike;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
+use sumo_mfc::control::CONTROLLERS;
 use sumo_mfc::traci::{SumoBinary, find_sumo};
 
 const ROUNDS: usize = 7;
-const LAWS: [&str; 5] = ["ideal", "adaptive", "classic", "calibrating", "pid"];
 
 /// Where a network comes from.
 enum Net {
@@ -46,9 +46,10 @@ type Times = [f64; 2];
 fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let sumo = find_sumo(None).expect("a SUMO: .ci/with-sumo cargo bench --bench whole");
-    let is_law = |name: &str| LAWS.contains(&name);
-    let laws: Vec<&str> = LAWS.into_iter().filter(|law| wanted.iter().any(|w| w == law)).collect();
-    let laws = if laws.is_empty() { LAWS.to_vec() } else { laws };
+    let all: Vec<&str> = CONTROLLERS.iter().map(|entry| entry.name).collect();
+    let is_law = |name: &str| all.contains(&name);
+    let laws: Vec<&str> = all.iter().copied().filter(|law| wanted.iter().any(|w| w == law)).collect();
+    let laws = if laws.is_empty() { all.clone() } else { laws };
     let some = wanted.iter().any(|w| !is_law(w));
     for scene in scenes().iter().filter(|scene| !some || wanted.iter().any(|w| w == scene.name)) {
         measure(scene, &sumo, &laws);

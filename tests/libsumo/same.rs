@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use sumo_mfc::control::CONTROLLERS;
 
 use super::support::{CAR, NEW, Running, foreign, own, repository, run_command, straight_road};
 
@@ -70,7 +71,7 @@ fn compare(scenario: &Path, args: &[&str]) -> BTreeMap<String, String> {
 /// Every controller on four networks, one of them geographic, one with steps of a second.
 #[test]
 fn law_every_controller_on_four_networks() {
-    for controller in ["ideal", "classic", "adaptive", "calibrating", "pid", "smith_pi", "lqi", "mpc"] {
+    for controller in CONTROLLERS.iter().map(|entry| entry.name) {
         let of = |scenario: PathBuf, args: &[&str]| {
             let files = compare(&scenario, &[&["--controller", controller, "--trace", "all"], args].concat());
             assert!(files["trace.csv"].lines().count() > 500, "{}", scenario.display());
