@@ -182,4 +182,14 @@ mod tests {
         let (flat, ..) = self::law(0.0, 0.1, 0.0);
         assert!(flat.gains.iter().all(|gains| *gains == flat.gains[0]));
     }
+
+    #[test]
+    fn law_what_the_limits_cut_off_is_not_integrated() {
+        // Twenty seconds at the limit, from 20 m/s too slow.
+        let (mut law, ..) = law(0.0, 0.0, 0.0);
+        let mut plant = Plant::new(0.0, 0.0, 0.0, -20.0);
+        plant.limits_mps2 = [-1.0, 1.0];
+        let overshoot = (0..4_000).map(|_| plant.period(&mut law, 30.0, 0.0)).fold(0.0, f64::max);
+        assert!(overshoot < 0.5, "{overshoot} m/s");
+    }
 }

@@ -116,4 +116,15 @@ mod tests {
         }
         assert!(plant.error_mps.abs() < 1e-3, "no error is left after a constant force: {}", plant.error_mps);
     }
+
+    #[test]
+    fn law_what_the_limits_cut_off_is_not_integrated() {
+        // Twenty seconds at the limit, from 20 m/s too slow.
+        let keys = SmithKeys::default();
+        let mut law = SmithPi::new(keys, ActuatorModel::new(Lateness::of(&keys.model, PERIOD_S)));
+        let mut plant = Plant::new(0.0, 0.0, 0.0, -20.0);
+        plant.limits_mps2 = [-1.0, 1.0];
+        let overshoot = (0..4_000).map(|_| plant.period(&mut law, 30.0, 0.0)).fold(0.0, f64::max);
+        assert!(overshoot < 0.5, "{overshoot} m/s");
+    }
 }

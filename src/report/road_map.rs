@@ -170,6 +170,41 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_road_has_one_dot_for_its_incidents_and_the_most_are_on_top() {
+        let network = ["a", "b"].map(|edge| NetworkRoad { edge: edge.into(), shape: vec![[0.0, 0.0], [10.0, 0.0]] });
+        let incident = |lane: &str, kind| Incident { lane: lane.into(), kind, text: format!("{kind} on {lane}") };
+        let incidents = [
+            incident("a_0", "collision"),
+            incident("a_1", "emergency braking"),
+            incident("a_0", "collision"),
+            incident("b_0", "teleport"),
+            incident("elsewhere_0", "teleport"),
+        ];
+        let (count, events) = incident_events(&network, &incidents);
+        let texts: Vec<&str> = events.iter().map(|event| event.text.as_str()).collect();
+        assert_eq!(count, 4, "those on the map");
+        assert_eq!(texts, ["teleport on b_0", "a: 2 x collision, 1 x emergency braking"]);
+        assert_eq!(events[1].place, [5.0, 0.0]);
+    }
+
+    #[test]
+    fn a_conflict_is_told_with_its_measures() {
+        let network = [NetworkRoad { edge: "a".into(), shape: vec![[0.0, 0.0], [10.0, 0.0]] }];
+        let conflict = Conflict {
+            ego: "x".into(),
+            foe: "y".into(),
+            place: Some([5.0, 0.0]),
+            time_s: Some(12.5),
+            ttc_min_s: Some(0.8),
+            drac_max_mps2: Some(3.25),
+            pet_s: Some(1.5),
+            ..Conflict::default()
+        };
+        let text = "conflict of x and y, time 12.50 s, TTC 0.80 s, DRAC 3.25 m/s², PET 1.50 s";
+        assert_eq!(conflict_events(&network, &[conflict])[0].text, text);
+    }
+
+    #[test]
     fn conflicts_that_are_not_on_the_map_are_left_out_and_the_severest_is_on_top() {
         let network = [NetworkRoad { edge: "a".into(), shape: vec![[0.0, 0.0], [1000.0, 500.0]] }];
         let conflict = |ego: &str, place| Conflict { ego: ego.into(), foe: "z".into(), place, ..Conflict::default() };

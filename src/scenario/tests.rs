@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use super::*;
 use crate::{
-    control::CONTROLLERS,
+    control::{Actuation, CONTROLLERS, Command, Observation},
     keys::{Key, Keys, NoKeys, Value, Values},
+    lanes::LANES,
     plant::{BODIES, PLANTS},
     reference::TARGETS,
     registry::Entry,
@@ -374,4 +375,33 @@ fn a_dot_in_place_of_the_first_underscore_is_the_same_key() {
     let folder = tempfile::tempdir().unwrap();
     let error = load_in(folder.path(), "vehicle.mass.pounds = 3000\n", &[]).unwrap_err().to_string();
     assert!(error.contains("vehicle.mass"), "{error}");
+}
+
+/// A law with a model has the actuators of its vehicles for it, unless its keys say otherwise.
+#[test]
+fn a_law_with_a_model_is_told_of_the_actuators() {
+    let torques_nm = |set: &[(&'static str, f64)]| {
+        let overrides = set.iter().map(|(key, value)| Override::literal("test", key, format!("{value:?}")));
+        let named = Override::text("test", "controller.name", "smith_pi");
+        let request = Request { scenario: None, overrides: overrides.chain([named]).collect() };
+        let scenario = Scenario::load_offline(&request, &Catalog::installed()).unwrap();
+        let mut law = (scenario.blocks(&scenario.groups[0]).controller)().unwrap();
+        let one = |_| {
+            let observation = Observation {
+                measured_mps: [5.0; LANES],
+                reference_mps: [6.0; LANES],
+                nominal_nm_per_mps2: [500.0; LANES],
+                ..Observation::default()
+            };
+            let mut command = Command::default();
+            law.command(&observation, &mut command);
+            law.feedback(&Actuation { saturated_mps2: [1.0; LANES], ..Actuation::default() });
+            command.torque_nm[0]
+        };
+        (0..50).map(one).collect::<Vec<f64>>()
+    };
+    let (delay, model) = ("actuator.delay_s", "controller.model_delay_s");
+    assert_eq!(torques_nm(&[(delay, 0.25)]), torques_nm(&[(model, 0.25)]));
+    assert_eq!(torques_nm(&[(delay, 0.25), (model, 0.1)]), torques_nm(&[(model, 0.1)]));
+    assert_ne!(torques_nm(&[(delay, 0.25)]), torques_nm(&[]));
 }
