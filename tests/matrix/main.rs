@@ -200,7 +200,7 @@ fn on_a_grid_all_arrive_whatever_the_condition() {
 
 /// The whole matrix, for `make matrix`.
 #[test]
-#[ignore = "an hour; make matrix"]
+#[ignore = "an hour and a half; make matrix"]
 fn the_whole_matrix() {
     let folder = tempfile::tempdir().unwrap();
     let scenarios = [
