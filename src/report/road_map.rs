@@ -198,7 +198,6 @@ mod tests {
             ttc_min_s: Some(0.8),
             drac_max_mps2: Some(3.25),
             pet_s: Some(1.5),
-            ..Conflict::default()
         };
         let text = "conflict of x and y, time 12.50 s, TTC 0.80 s, DRAC 3.25 m/s², PET 1.50 s";
         assert_eq!(conflict_events(&network, &[conflict])[0].text, text);

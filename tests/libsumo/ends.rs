@@ -51,7 +51,8 @@ fn rows_of_vehicles_that_have_left_survive_a_crash() {
         let ended = Running::start(recover).wait();
         assert_eq!(ended.code, Some(0), "{}", ended.stderr);
         let rows = table(&dir.join("vehicles.csv"));
-        assert!(rows.len() + 1 >= noted.min(20) && rows.len() > 15, "{} rows of {noted}", rows.len());
+        // The header is no row, and the last line may be broken off.
+        assert!(rows.len() + 2 >= noted && noted > 20, "{} rows of {noted} lines", rows.len());
         assert!(table(&dir.join("trace.csv")).len() > 1000);
         assert_eq!(json(&dir.join("run.json"))["status"], "incomplete");
     }
