@@ -2,20 +2,28 @@
 //!
 //! A controller works on one block of vehicles. In every control period the fleet calls [`Controller::command`] with the
 //! measured speed and the reference, sends the torque through the actuators (limits, dead time, lag), and reports with
-//! [`Controller::feedback`] what the actuators made of it.
+//! [`Controller::feedback`] what the actuators made of it. A [`GroupController`] does the same for all vehicles of a group.
 
 mod actuator_model;
 mod bounds;
 mod chunks;
 mod controller;
 mod estimator;
+mod group;
+mod law;
 mod mfc;
 mod observer;
+mod port;
 mod riccati;
+mod signals;
 
 use crate::registry::Entry;
 pub use actuator_model::with_model;
-pub use controller::{Actuation, Build, Command, Controller, Observation, law};
+pub use controller::Controller;
+pub use group::{Delegate, GroupController, GroupPeriod};
+pub use law::{Build, Law, group_law, law};
+pub use port::Port;
+pub use signals::{Actuation, Command, Observation};
 use std::sync::LazyLock;
 
 /// Declares the file of each law and lists its entry.

@@ -6,17 +6,21 @@
 //! results stay the same to the last bit.
 
 pub mod block;
+mod course;
 mod driver;
 pub mod follow;
+mod lockstep;
 mod setup;
 mod snapshot;
 pub mod steering;
 
+use crate::control::{Delegate, Law};
 use crate::lanes::{InstructionSet, LANES};
 use crate::stats::VehicleStats;
 use crate::stopwatch::Stopwatch;
 use block::Block;
 use follow::Follow;
+use lockstep::GroupLaw;
 use rayon::prelude::*;
 pub use setup::{ActuatorSetup, GroupSetup, LoopConfig, VehicleSetup};
 pub use snapshot::Snapshot;
@@ -56,6 +60,8 @@ impl Slot {
 
 struct Group {
     setup: GroupSetup,
+    /// The law of the whole group, if it has one.
+    law: Option<GroupLaw>,
     /// The lowest comes first, so that vehicles gather in few blocks: a block costs as much with one as when it is full.
     free: BinaryHeap<Reverse<Slot>>,
 }
@@ -66,8 +72,14 @@ pub struct Fleet {
     rated: bool,
     groups: Vec<Group>,
     blocks: Vec<Block>,
+    failure: Option<LawFailure>,
     stopwatch: Stopwatch<1>,
 }
+
+/// The law of a group gave up.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the controller: {0}")]
+pub struct LawFailure(String);
 
 /// Where the time of a fleet went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -83,8 +95,8 @@ pub struct FleetTime {
 impl Fleet {
     /// An empty fleet.
     pub fn new(config: LoopConfig, groups: Vec<GroupSetup>) -> Self {
-        let groups = groups.into_iter().map(|setup| Group { setup, free: BinaryHeap::new() }).collect();
-        Self { config, rated: false, groups, blocks: Vec::new(), stopwatch: Stopwatch::new(false) }
+        let groups = groups.into_iter().map(|setup| Group { setup, law: None, free: BinaryHeap::new() }).collect();
+        Self { config, rated: false, groups, blocks: Vec::new(), failure: None, stopwatch: Stopwatch::new(false) }
     }
 
     /// The same fleet; the drive quality of vehicles that are admitted from now on is kept.
@@ -130,10 +142,22 @@ impl Fleet {
 
     fn grow(&mut self, group: usize) {
         let index = self.blocks.len();
-        let setup = &self.groups[group].setup;
-        let (period_s, dead_time_max_s) = (self.config.period_s, setup.dead_time_max_s);
-        self.blocks.push(Block::new(group, (setup.controller)(), period_s, dead_time_max_s, self.rated));
+        let period_s = self.config.period_s;
+        let Group { setup, law, .. } = &mut self.groups[group];
+        let controller = match law {
+            Some(_) => Some(Box::<Delegate>::default() as _),
+            None => match (setup.law)() {
+                Law::Nothing => None,
+                Law::Block(controller) => Some(controller),
+                Law::Group(of_group) => {
+                    *law = Some(GroupLaw::new(of_group, period_s));
+                    Some(Box::<Delegate>::default() as _)
+                }
+            },
+        };
+        self.blocks.push(Block::new(group, controller, period_s, setup.dead_time_max_s, self.rated));
         self.blocks[index].stopwatch = Stopwatch::new(self.stopwatch.is_on());
+        self.blocks[index].in_lockstep = self.groups[group].law.is_some();
         self.groups[group].free.extend((0..LANES).map(|lane| Reverse(Slot::new(index, lane))));
     }
 
@@ -172,6 +196,19 @@ impl Fleet {
         self.advance_among(0..self.blocks.len(), periods, select, follow);
     }
 
+    /// True if the law of a group commands all its vehicles at once: then no range may be advanced that parts a group.
+    pub fn has_group_law(&self) -> bool {
+        self.groups.iter().any(|group| group.law.is_some())
+    }
+
+    /// Whether the law of a group has given up; from then on the fleet is not what it should be.
+    ///
+    /// # Errors
+    /// [`LawFailure`]
+    pub fn soundness(&self) -> Result<(), LawFailure> {
+        self.failure.clone().map_or(Ok(()), Err)
+    }
+
     /// The same for the blocks in a range, of which the last need not exist.
     pub fn advance_among(
         &mut self,
@@ -185,7 +222,7 @@ impl Fleet {
         // What the caller computes with, other threads do as well.
         let set = InstructionSet::in_use();
         let work = |block: &mut Block| {
-            if !block.is_empty() && select(block) {
+            if !block.is_empty() && !block.in_lockstep && select(block) {
                 set.during(|| block.step(config, periods, follow));
             }
         };
@@ -195,6 +232,13 @@ impl Fleet {
             blocks.iter_mut().for_each(work);
         } else {
             blocks.par_iter_mut().for_each(work);
+        }
+        for (index, group) in self.groups.iter_mut().enumerate() {
+            let Some(law) = &mut group.law else { continue };
+            let blocks = blocks.iter_mut().filter(|block| block.group() == index && select(block)).collect();
+            if let (None, Err(what)) = (&self.failure, law.advance(blocks, config, periods, follow)) {
+                self.failure = Some(LawFailure(what));
+            }
         }
         self.stopwatch.lap(0);
     }

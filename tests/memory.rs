@@ -120,7 +120,7 @@ fn bytes_per_vehicle(dead_time_max_s: f64) -> i64 {
     let values = Values::defaults(adaptive.keys);
     let body = (BODIES[0].build)();
     let region = Region::new(COUNTING);
-    let group = GroupSetup { controller: Box::new(move || (adaptive.build)(&values, 0.01)), dead_time_max_s };
+    let group = GroupSetup { law: Box::new(move || (adaptive.build)(&values, 0.01)), dead_time_max_s };
     let loop_config = LoopConfig { plant: Box::new(SevenDof::new(0.01)), period_s: 0.01, reference_bound_mps: 1.0 };
     let mut fleet = Fleet::new(loop_config, vec![group]);
     for i in 0..VEHICLES {

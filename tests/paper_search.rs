@@ -202,7 +202,7 @@ impl Choice {
             prompt.vehicle.actuator.dead_time_s = 0.0;
             trips.extend([prompt, delayed]);
         }
-        let outcomes = Road::new(&scenarios[0]).ok()?.drive(&trips, |_| {});
+        let outcomes = Road::new(&scenarios[0]).ok()?.drive(&trips, |_| {}).ok()?;
         let rms: Vec<f64> = outcomes.iter().map(|o| o.stats.error_rms).collect::<Option<_>>()?;
         Some(rms.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
     }
@@ -220,7 +220,7 @@ impl Choice {
             reached |= relative >= 0.0;
             over = if reached { over.max(relative) } else { over };
         };
-        road.drive(&trips, watch);
+        road.drive(&trips, watch).ok()?;
         Some(100.0 * over)
     }
 

@@ -38,7 +38,7 @@ fn target_mps(number: usize, step: usize) -> f64 {
 fn drive(controller: &str, set: InstructionSet, threads: usize, vehicles: std::ops::Range<usize>) -> Vec<Vec<u64>> {
     let law = find("controller", &CONTROLLERS, controller).unwrap();
     let values = Values::defaults(law.keys);
-    let group = GroupSetup { controller: Box::new(move || (law.build)(&values, 0.01)), dead_time_max_s: 0.1 };
+    let group = GroupSetup { law: Box::new(move || (law.build)(&values, 0.01)), dead_time_max_s: 0.1 };
     let plant = Box::new(SevenDof::new(0.01));
     let mut fleet = Fleet::new(LoopConfig { plant, period_s: 0.01, reference_bound_mps: 1.0 }, vec![group]);
     let slots: Vec<(usize, Slot)> = vehicles.map(|n| (n, fleet.admit(0, vehicle(n)))).collect();

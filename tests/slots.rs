@@ -117,7 +117,7 @@ fn drive(fleet: &mut Fleet, slot: Slot, kind: usize, steps: u32) -> Vec<Vec<u64>
 
 fn fleet(controller: &Entry<Build>, plant: &str) -> Fleet {
     let (build, values) = (controller.build.clone(), Values::defaults(controller.keys));
-    let group = GroupSetup { controller: Box::new(move || build(&values, 0.01)), dead_time_max_s: 0.2 };
+    let group = GroupSetup { law: Box::new(move || build(&values, 0.01)), dead_time_max_s: 0.2 };
     let plant = find("plant", &PLANTS, plant).unwrap();
     let plant = (plant.build)(&Values::defaults(plant.keys));
     Fleet::new(LoopConfig { plant, period_s: 0.01, reference_bound_mps: 1.0 }, vec![group])

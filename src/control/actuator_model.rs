@@ -10,7 +10,7 @@
 //! A dead time between two periods interpolates between the samples on both sides, as the actuator does.
 
 use super::bounds::INPUT_MAX_MPS2;
-use super::controller::Actuation;
+use super::signals::Actuation;
 use crate::columns::columns;
 use crate::keys;
 use crate::keys::Values;

@@ -8,8 +8,10 @@
 //! The first two lines give α̂_k ≈ α̂_{k−1} + K_P e/u. While the torque pushes the wrong way, α̂ grows and takes the torque
 //! back within a few periods. Otherwise α̂ returns to its nominal value.
 
-use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::controller::Controller;
+use super::law::{Build, law};
 use super::mfc::{Estimate, MfcKeys};
+use super::signals::{Actuation, Command, Observation};
 use crate::columns::{Column, Slots, columns};
 use crate::lanes::{LANES, Lanes, vectorised};
 use crate::registry::Entry;

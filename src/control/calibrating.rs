@@ -46,8 +46,10 @@
 //! or a start comes late. `docs/controllers.md` compares the laws at equal tuning and says where this one loses.
 
 use super::bounds::{INPUT_MAX_MPS2, RateKeys};
-use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::controller::Controller;
+use super::law::{Build, law};
 use super::observer::Observer;
+use super::signals::{Actuation, Command, Observation};
 use crate::columns::{Slots, columns};
 use crate::keys;
 use crate::lanes::{LANES, vectorised};

@@ -1,8 +1,10 @@
 //! The classic model-free law: u_k = −(F̂_k − ẏ_r + K_P e_k)/α (Polack et al. 2017, Section 2). `mfc.rs` has the model and the
 //! default tuning.
 
-use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::controller::Controller;
+use super::law::{Build, law};
 use super::mfc::{Estimate, MfcKeys};
+use super::signals::{Actuation, Command, Observation};
 use crate::lanes::{LANES, Lanes, vectorised};
 use crate::registry::Entry;
 

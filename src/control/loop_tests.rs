@@ -1,6 +1,7 @@
 //! The vehicle that the laws with a model reckon with, to hold their closed loops to what they promise.
 
-use super::controller::{Actuation, Command, Controller, Observation};
+use super::controller::Controller;
+use super::signals::{Actuation, Command, Observation};
 use crate::lanes::LANES;
 use std::collections::VecDeque;
 

@@ -22,8 +22,10 @@
 
 use super::actuator_model::{ActuatorModel, Lateness, ModelKeys};
 use super::bounds::RateKeys;
-use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::controller::Controller;
+use super::law::{Build, law};
 use super::riccati::{Matrix, Vector, regulator};
+use super::signals::{Actuation, Command, Observation};
 use crate::columns::{Slots, columns};
 use crate::keys;
 use crate::lanes::{LANES, vectorised};

@@ -23,8 +23,8 @@
 //! nothing else.
 
 use super::bounds::{INPUT_MAX_MPS2, RateKeys};
-use super::controller::{Actuation, Observation};
 use super::estimator::Window;
+use super::signals::{Actuation, Observation};
 use crate::columns::{Slots, columns};
 use crate::lanes::Lanes;
 use crate::{choice, keys};

@@ -22,9 +22,11 @@
 
 use super::actuator_model::{ActuatorModel, Lateness, ModelKeys};
 use super::bounds::{INPUT_MAX_MPS2, RateKeys};
-use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::controller::Controller;
+use super::law::{Build, law};
 use super::observer::Observer;
 use super::riccati::{Matrix, Regulator, Vector, apply, dot, regulator};
+use super::signals::{Actuation, Command, Observation};
 use crate::columns::{Slots, columns};
 use crate::keys;
 use crate::lanes::{LANES, Lanes, vectorised};

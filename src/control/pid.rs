@@ -16,7 +16,9 @@
 //! damped (ζ = 0.5). More k_p tracks a wrong mass better, but noise then drives the torque into its limits.
 
 use super::bounds::{INPUT_MAX_MPS2, RateKeys};
-use super::controller::{Actuation, Build, Command, Controller, Observation, law};
+use super::controller::Controller;
+use super::law::{Build, law};
+use super::signals::{Actuation, Command, Observation};
 use crate::columns::{Slots, columns};
 use crate::keys;
 use crate::lanes::{LANES, vectorised};

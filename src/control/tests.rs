@@ -20,7 +20,7 @@ fn build(name: &str, changes: &[(&'static str, Value)]) -> Box<dyn Controller> {
     let entry = find("controller", &CONTROLLERS, name).unwrap();
     let mut values = Values::defaults(entry.keys);
     values.0.extend(changes.iter().cloned());
-    (entry.build)(&values, PERIOD_S).expect("a law")
+    (entry.build)(&values, PERIOD_S).block().expect("a law")
 }
 
 fn number(x: f64) -> Value {
@@ -77,7 +77,7 @@ fn every_controller_rests_at_rest() {
 fn only_ideal_is_ideal_and_adaptive_is_the_default() {
     assert_eq!(CONTROLLERS[0].name, "adaptive");
     for entry in CONTROLLERS.iter() {
-        let controller = (entry.build)(&Values::defaults(entry.keys), PERIOD_S);
+        let controller = (entry.build)(&Values::defaults(entry.keys), PERIOD_S).block();
         assert_eq!(controller.is_none(), entry.name == "ideal");
     }
 }
@@ -382,7 +382,7 @@ fn step_overshoots(name: &str) -> [f64; 2] {
     let entry = find("controller", &CONTROLLERS, name).unwrap();
     let values =
         Values::defaults(entry.keys).with("accel_per_unit_mps2", 0.4).with("input_estimate", "commanded".to_owned());
-    let mut controller = (entry.build)(&values, period_s).expect("a law");
+    let mut controller = (entry.build)(&values, period_s).block().expect("a law");
     let (mut s, mut y, mut overshoot) = (0.0, 0.0, [0.0_f64; 2]);
     while s < 600.0 {
         let (step, reference) = if s < 100.0 { (0, 10.0) } else { (1, 20.0) };

@@ -3,10 +3,20 @@
 use super::egos::EgoTable;
 use super::observation::EgoQuestion;
 use super::sumo::Sumo;
-use crate::fleet::Slot;
+use crate::fleet::{Fleet, Slot};
+use std::ops::Range;
 
-/// Blocks of the fleet in one chunk: enough work to be worth two messages of its own.
-pub const BLOCKS_PER_CHUNK: usize = 16;
+/// Blocks of the fleet in one chunk: enough work to be worth two messages of its own. A law that commands a whole group
+/// needs the answers about all of it.
+fn blocks_per_chunk(fleet: &Fleet) -> usize {
+    if fleet.has_group_law() { usize::MAX } else { 16 }
+}
+
+/// The blocks of a chunk, of which the last need not exist.
+pub fn blocks_of(place: usize, fleet: &Fleet) -> Range<usize> {
+    let count = blocks_per_chunk(fleet);
+    place.saturating_mul(count)..(place + 1).saturating_mul(count)
+}
 
 /// The egos of neighbouring blocks.
 pub struct Chunk<S: Sumo> {
@@ -25,10 +35,11 @@ impl<S: Sumo> Default for Chunk<S> {
 }
 
 /// Puts every ego into the chunk of its block.
-pub fn share_out<S: Sumo>(egos: &EgoTable, chunks: &mut Vec<Chunk<S>>) {
+pub fn share_out<S: Sumo>(egos: &EgoTable, fleet: &Fleet, chunks: &mut Vec<Chunk<S>>) {
+    let count = blocks_per_chunk(fleet);
     chunks.iter_mut().for_each(|chunk| chunk.members.clear());
     for slot in egos.slots() {
-        let place = slot.block() / BLOCKS_PER_CHUNK;
+        let place = slot.block() / count;
         if place >= chunks.len() {
             chunks.resize_with(place + 1, Chunk::default);
         }

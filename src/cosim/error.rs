@@ -1,5 +1,6 @@
 //! What can go wrong between fleet and SUMO.
 
+use crate::fleet::LawFailure;
 use crate::plant::tyre::TyreError;
 use crate::registry::UnknownName;
 use crate::traci;
@@ -27,6 +28,9 @@ pub enum CosimError {
     /// A measured tyre curve.
     #[error("vehicle.tyre_curve: {0}")]
     Tyre(#[from] TyreError),
+    /// The law of a group gave up.
+    #[error(transparent)]
+    Law(#[from] LawFailure),
     /// A `mfc.*` parameter of a vehicle or vType.
     #[error("vehicle \"{vehicle}\", parameter {key}: found \"{found}\", wanted {wanted}")]
     Parameter {

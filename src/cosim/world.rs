@@ -4,7 +4,7 @@
 use super::admission::{Admission, Newcomer, Wanted};
 use super::body_leads::BodyLeads;
 use super::changes;
-use super::chunk::{BLOCKS_PER_CHUNK, Chunk, share_out};
+use super::chunk::{Chunk, blocks_of, share_out};
 use super::creep::Creep;
 use super::display::Display;
 use super::egos::{Ego, EgoTable, Presence};
@@ -29,7 +29,6 @@ use crate::fleet::{Fleet, FleetTime, Slot};
 use crate::scenario::{Trace, TraceRows};
 use crate::traci::Client;
 use std::collections::HashMap;
-use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -165,7 +164,7 @@ impl<S: Sumo> World<S> {
             }
             self.hear(chunk).await?;
             self.end_lost();
-            self.drive(place, &chunk.members);
+            self.drive(place, &chunk.members)?;
             self.tell(&chunk.members)?;
         }
         if self.platoons {
@@ -257,7 +256,7 @@ impl<S: Sumo> World<S> {
     /// Asks about every ego, chunk by chunk.
     fn ask_egos(&mut self) -> Result<Vec<Chunk<S>>, CosimError> {
         let mut chunks = std::mem::take(&mut self.chunks);
-        share_out(&self.egos, &mut chunks);
+        share_out(&self.egos, &self.fleet, &mut chunks);
         for chunk in &mut chunks {
             let egos = chunk.members.iter().filter_map(|slot| self.egos.get(*slot));
             let (fleet, lanes) = (&self.fleet, &self.lanes);
@@ -335,8 +334,8 @@ impl<S: Sumo> World<S> {
     }
 
     /// The bodies of a chunk drive the step that SUMO has just done, towards the speeds that it chose.
-    fn drive(&mut self, place: usize, members: &[Slot]) {
-        let blocks: Range<usize> = place * BLOCKS_PER_CHUNK..(place + 1) * BLOCKS_PER_CHUNK;
+    fn drive(&mut self, place: usize, members: &[Slot]) -> Result<(), CosimError> {
+        let blocks = blocks_of(place, &self.fleet);
         let body_leads = &self.body_leads;
         let follows = |block: &Block| !body_leads.in_group(block.group());
         self.fleet.advance_among(blocks.clone(), self.periods, follows, Follow::Traffic);
@@ -352,6 +351,7 @@ impl<S: Sumo> World<S> {
                 self.end(*slot, Reason::Diverged);
             }
         }
+        Ok(self.fleet.soundness()?)
     }
 
     /// Tells SUMO the speeds of a chunk's bodies. A body that stood all through the step, as SUMO's car did, has nothing to

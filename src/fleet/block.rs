@@ -1,13 +1,14 @@
 //! Sixteen vehicles side by side: their plant, controller, actuators, measurement and statistics, and the order in
 //! which these work in one control period.
 
+use super::course::{Course, Demand, Here};
 use super::driver::{Driver, Ramp, SumoStep};
 use super::follow::{Bound, Follow};
 use super::setup::{ActuatorSetup, LoopConfig, VehicleSetup, least, road_load};
 use super::snapshot::Snapshot;
 use super::steering::Steering;
 use crate::columns::{Slots, columns};
-use crate::control::{Actuation, Command, Controller, Observation};
+use crate::control::{Actuation, Command, Controller, Observation, Port};
 use crate::lanes::{Flags, LANES, Lanes};
 use crate::measurement::Measurement;
 use crate::plant::{Actuators, Body, Inputs, PlantBlock, State};
@@ -22,15 +23,11 @@ pub(super) const CONTROL: usize = 0;
 pub(super) const PLANT: usize = 1;
 pub(super) const STATISTICS: usize = 2;
 
-/// The reference of one control period.
-struct Demand {
-    start_mps: Lanes,
-    end_mps: Lanes,
-    rate_mps2: Lanes,
-    /// 1 = standing still is what is wanted.
-    rest: Flags,
-    /// Middle of the period as a share of the step.
-    share: f64,
+/// A control period under way: its reference, who moves, and what the law is to see if there is one.
+pub(super) struct Due {
+    demand: Demand,
+    pub(super) moving: Flags,
+    pub(super) observation: Option<Observation>,
 }
 
 columns! {
@@ -44,6 +41,8 @@ columns! {
             periods: u32 = 1,
             /// What watched slots showed within the last step: period of the step (from 1), slot.
             snapshots: Vec<(u32, usize, Snapshot)> = Vec::new(),
+            /// The law of its group commands it, together with the others.
+            pub(super) in_lockstep: bool = false,
             pub(super) stopwatch: Stopwatch<3> = Stopwatch::new(false),
         }
         parts {
@@ -211,7 +210,7 @@ impl Block {
     }
 
     /// Takes the snapshots that are due at the end of a control period.
-    fn note_snapshots(&mut self, period: u32) {
+    pub(super) fn note_snapshots(&mut self, period: u32) {
         for slot in (0..LANES).filter(|i| self.watched_every[*i] > 0 && self.present[*i] > 0.0) {
             if period.is_multiple_of(self.watched_every[slot]) {
                 self.snapshots.push((period, slot, self.snapshot(slot)));
@@ -318,95 +317,75 @@ impl Block {
 
     /// One SUMO step: `periods` control periods along the reference.
     pub(super) fn step(&mut self, config: &LoopConfig, periods: u32, follow: Follow) {
+        let course = self.begin(config, periods, follow);
+        for k in 0..periods {
+            let due = self.observe(config, &course, k);
+            self.act(config, &due);
+            self.note_snapshots(k + 1);
+        }
+        self.finish(config, &course);
+    }
+
+    /// The step begins: where its reference goes.
+    pub(super) fn begin<'f>(&mut self, config: &LoopConfig, periods: u32, follow: Follow<'f>) -> Course<'f> {
         self.stopwatch.start();
         self.snapshots.clear();
         self.periods = periods;
         let before_mps = self.plant.vx_mps;
+        self.lead_limited = [0.0; LANES];
+        let Follow::Traffic = follow else { return Course::of_targets(follow, before_mps) };
         let step_s = f64::from(periods) * config.period_s;
-        self.lead_limited = match follow {
-            Follow::Traffic => self.step_traffic(config, periods, step_s, &before_mps),
-            _ => self.step_targets(config, periods, follow),
-        };
-        let speed_mps = self.plant.vx_mps;
-        self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - before_mps[i]) / step_s);
-    }
-
-    /// The reference is the ramp of [`Driver::ramp`].
-    fn step_traffic(&mut self, config: &LoopConfig, periods: u32, step_s: f64, before_mps: &Lanes) -> Flags {
         let ramps: [Ramp; LANES] = std::array::from_fn(|i| {
             let step = SumoStep { target_mps: self.target_mps[i], speed_mps: before_mps[i], step_s };
             self.driver.ramp(i, step, self.reference_mps[i], config.reference_bound_mps)
         });
-        let (start_mps, rate_mps2) = (ramps.map(|r| r.start_mps), ramps.map(|r| r.rate_mps2));
+        self.lead_limited = ramps.map(|r| f64::from(u8::from(r.limited)));
         let rest = self.target_mps.map(|v| if v == 0.0 { 1.0 } else { 0.0 });
-        self.held = std::array::from_fn(|i| self.held[i] * rest[i]);
-        for k in 0..periods {
-            let at = |tau_s: f64| std::array::from_fn(|i| (start_mps[i] + rate_mps2[i] * tau_s).max(0.0));
-            let tau_s = f64::from(k) * config.period_s;
-            let share = (f64::from(k) + 0.5) / f64::from(periods);
-            let demand = Demand { start_mps: at(tau_s), end_mps: at(tau_s + config.period_s), rate_mps2, rest, share };
-            self.period(config, &demand);
-            self.note_snapshots(k + 1);
-        }
-        if self.controller.is_none() {
-            // To the last bit what SUMO chose: the sum of the periods' ramps need not be.
-            for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
-                self.plant.vx_mps[i] = self.target_mps[i];
-                self.reference_mps[i] = self.target_mps[i];
-            }
-        }
-        ramps.map(|r| f64::from(u8::from(r.limited)))
+        let (start_mps, rate_mps2) = (ramps.map(|r| r.start_mps), ramps.map(|r| r.rate_mps2));
+        Course { follow, before_mps, start_mps, rate_mps2, rest }
     }
 
-    /// The reference is the target, or a profile below it, at each control period's own place and time.
-    fn step_targets(&mut self, config: &LoopConfig, periods: u32, follow: Follow) -> Flags {
-        for k in 0..periods {
-            let here = self.targets_now(follow, 0.0);
-            let next = self.targets_now(follow, config.period_s);
-            let rest: Flags = std::array::from_fn(|i| if here.0[i] == 0.0 && next.0[i] == 0.0 { 1.0 } else { 0.0 });
-            let share = (f64::from(k) + 0.5) / f64::from(periods);
-            let demand = Demand { start_mps: here.0, end_mps: next.0, rate_mps2: here.1, rest, share };
-            for i in 0..LANES {
-                self.held[i] *= rest[i];
-                self.clock_s[i] += config.period_s;
-            }
-            self.period(config, &demand);
-            self.note_snapshots(k + 1);
-        }
-        [0.0; LANES]
-    }
-
-    /// Target speeds and rates `ahead_s` from now, the vehicles rolling on at their present speed.
-    fn targets_now(&self, follow: Follow, ahead_s: f64) -> (Lanes, Lanes) {
-        let mut speed = self.target_mps;
-        let mut rate = [0.0; LANES];
-        let profiles = match follow {
-            Follow::Profile(profile) => &[profile; LANES],
-            Follow::Profiles(profiles) => profiles,
-            Follow::Traffic | Follow::Target => return (speed, rate),
+    /// The control period `k` (from 0) begins: what is wanted, and what is measured.
+    #[inline(always)]
+    pub(super) fn observe(&mut self, config: &LoopConfig, course: &Course<'_>, k: u32) -> Due {
+        let here = Here {
+            present: &self.present,
+            target_mps: &self.target_mps,
+            speed_mps: &self.plant.vx_mps,
+            distance_m: &self.plant.distance_m,
+            clock_s: &self.clock_s,
         };
-        for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
-            let rolling_mps = self.plant.vx_mps[i];
-            let place_m = self.plant.distance_m[i] + rolling_mps * ahead_s;
-            let (wanted, wanted_rate) = profiles[i].at(place_m, self.clock_s[i] + ahead_s, rolling_mps);
-            if wanted <= speed[i] {
-                (speed[i], rate[i]) = (wanted, wanted_rate);
-            }
+        let demand = course.demand(k, self.periods, config.period_s, &here);
+        for i in 0..LANES {
+            self.held[i] *= demand.rest[i];
+            self.clock_s[i] += config.period_s;
         }
-        (speed, rate)
+        let moving: Flags = std::array::from_fn(|i| self.present[i] * (1.0 - self.held[i]));
+        let observation = self.controller.is_some().then(|| {
+            self.measured_mps = self.measurement.measure(&self.plant.vx_mps, &moving);
+            let seen = |x: &Lanes| std::array::from_fn(|i| x[i] * moving[i]);
+            Observation {
+                measured_mps: seen(&self.measured_mps),
+                reference_mps: seen(&demand.start_mps),
+                reference_rate_mps2: seen(&demand.rate_mps2),
+                nominal_nm_per_mps2: self.nominal_nm_per_mps2,
+            }
+        });
+        Due { demand, moving, observation }
     }
 
-    /// One control period.
-    fn period(&mut self, config: &LoopConfig, demand: &Demand) {
-        let moving: Flags = std::array::from_fn(|i| self.present[i] * (1.0 - self.held[i]));
-        if self.controller.is_none() {
-            self.take_speeds(&demand.end_mps, &moving, config.period_s);
-        } else {
-            self.control(demand, &moving);
+    /// The rest of the control period: the law, the actuators, the bodies, the statistics.
+    #[inline(always)]
+    pub(super) fn act(&mut self, config: &LoopConfig, due: &Due) {
+        let Due { demand, moving, observation } = due;
+        if let Some(observation) = observation {
+            self.control(observation);
             self.stopwatch.lap(CONTROL);
             self.steering.angles_rad(demand.share, &self.plant.vx_mps, &mut self.inputs.steer_rad);
-            config.plant.advance(&mut self.plant, &self.inputs, &moving, config.period_s);
-            self.stand_still(demand, &moving);
+            config.plant.advance(&mut self.plant, &self.inputs, moving, config.period_s);
+            self.stand_still(demand, moving);
+        } else {
+            self.take_speeds(&demand.end_mps, moving, config.period_s);
         }
         self.stopwatch.lap(PLANT);
         let speed_mps = self.plant.vx_mps;
@@ -425,6 +404,24 @@ impl Block {
         self.stopwatch.lap(STATISTICS);
     }
 
+    /// The step ends.
+    pub(super) fn finish(&mut self, config: &LoopConfig, course: &Course<'_>) {
+        if let (None, Follow::Traffic) = (&self.controller, course.follow) {
+            // To the last bit what SUMO chose: the sum of the periods' ramps need not be.
+            for i in (0..LANES).filter(|i| self.present[*i] > 0.0) {
+                self.plant.vx_mps[i] = self.target_mps[i];
+                self.reference_mps[i] = self.target_mps[i];
+            }
+        }
+        let (speed_mps, step_s) = (self.plant.vx_mps, f64::from(self.periods) * config.period_s);
+        self.acceleration_mps2 = std::array::from_fn(|i| (speed_mps[i] - course.before_mps[i]) / step_s);
+    }
+
+    /// The law's connection to its group, if it is one of a group.
+    pub(super) fn port(&mut self) -> Option<&mut Port> {
+        self.controller.as_mut()?.port()
+    }
+
     /// Without a controller the vehicle has the speed of the reference, and covers the trapezoid between the two.
     fn take_speeds(&mut self, next_mps: &Lanes, moving: &Flags, period_s: f64) {
         for i in 0..LANES {
@@ -435,18 +432,10 @@ impl Block {
         }
     }
 
-    /// Measure, ask the law, send its torque through the actuators.
-    fn control(&mut self, demand: &Demand, moving: &Flags) {
+    /// Ask the law, send its torque through the actuators.
+    fn control(&mut self, observation: &Observation) {
         let Some(controller) = &mut self.controller else { return };
-        self.measured_mps = self.measurement.measure(&self.plant.vx_mps, moving);
-        let seen = |x: &Lanes| std::array::from_fn(|i| x[i] * moving[i]);
-        let observation = Observation {
-            measured_mps: seen(&self.measured_mps),
-            reference_mps: seen(&demand.start_mps),
-            reference_rate_mps2: seen(&demand.rate_mps2),
-            nominal_nm_per_mps2: self.nominal_nm_per_mps2,
-        };
-        controller.command(&observation, &mut self.command);
+        controller.command(observation, &mut self.command);
         let actuated = self.actuators.step(&self.command.torque_nm, &self.command.gain_mps2_per_nm);
         controller.feedback(&Actuation {
             commanded_mps2: actuated.commanded,

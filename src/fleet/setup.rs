@@ -1,6 +1,6 @@
 //! What a fleet and its vehicles are made of.
 
-use crate::control::Controller;
+use crate::control::Law;
 use crate::plant::{Body, Plant};
 use crate::random::Stream;
 use crate::stats::RoadLoad;
@@ -31,8 +31,8 @@ pub struct VehicleSetup {
 
 /// How blocks of one group are made.
 pub struct GroupSetup {
-    /// Makes the controller of one block; `None` = no controller: the vehicles take the reference speed as it is.
-    pub controller: Box<dyn Fn() -> Option<Box<dyn Controller>> + Send + Sync>,
+    /// Makes the law of one block, or of the whole group.
+    pub law: Box<dyn Fn() -> Law + Send + Sync>,
     /// Largest dead time that a vehicle of this group may have \[s\].
     pub dead_time_max_s: f64,
 }

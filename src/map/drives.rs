@@ -63,7 +63,7 @@ fn drive_recording(job: &Job, lab: &Lab, preset: &Preset, cells: &mut [Cell]) ->
     let road = Road::new(&scenario)?;
     let noisy = road.whole_trips(1)?.remove(1);
     let trips: Vec<Trip> = cells.iter().map(|cell| trip(cell, &noisy)).collect();
-    let outcomes = road.drive(&trips, |_| {});
+    let outcomes = road.drive(&trips, |_| {})?;
     for (cell, outcome) in cells.iter_mut().zip(outcomes) {
         cell.error_rms = outcome.stats.error_rms.filter(|e| outcome.finished && e.is_finite());
     }
@@ -81,7 +81,7 @@ fn drive_step(job: &Job, lab: &Lab, preset: &Preset, cells: &mut [Cell]) -> Resu
         if vehicle.distance_m() < first.to_m {
             paths[vehicle.trip].push((vehicle.distance_m(), vehicle.speed_mps()));
         }
-    });
+    })?;
     for ((cell, outcome), path) in cells.iter_mut().zip(outcomes).zip(&paths) {
         cell.overshoot = outcome.finished.then(|| response(path, &Plateau { ..first }).overshoot);
     }

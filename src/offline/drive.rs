@@ -94,7 +94,7 @@ impl Drive {
         let outcomes = road.drive(&[trip], |vehicle| {
             series.push(vehicle.moment());
             disturb(vehicle);
-        });
+        })?;
         Ok(Driven { series, stats: outcomes[0].stats, finished: outcomes[0].finished })
     }
 }

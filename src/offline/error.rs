@@ -1,6 +1,6 @@
 //! Why a vehicle cannot drive without SUMO.
 
-use crate::{cosim::CosimError, reference::ReferenceError, scenario::ScenarioError};
+use crate::{cosim::CosimError, fleet::LawFailure, reference::ReferenceError, scenario::ScenarioError};
 
 /// Why a vehicle cannot drive without SUMO.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -16,6 +16,9 @@ pub enum OfflineError {
     /// The profile.
     #[error("[target]: {0}")]
     Reference(#[from] ReferenceError),
+    /// The law gave up.
+    #[error(transparent)]
+    Law(#[from] LawFailure),
     /// The vehicle.
     #[error(transparent)]
     Vehicle(#[from] CosimError),

@@ -127,7 +127,10 @@ impl<'a> Road<'a> {
     ///
     /// The vehicles share one block. When one is at its end, the next takes its slot, so that all slots are busy until the
     /// last vehicles drive (the longest trips should come first).
-    pub fn drive(&self, trips: &[Trip], mut watch: impl FnMut(&mut Vehicle)) -> Vec<Outcome> {
+    ///
+    /// # Errors
+    /// [`OfflineError::Law`] if the law gives up.
+    pub fn drive(&self, trips: &[Trip], mut watch: impl FnMut(&mut Vehicle)) -> Result<Vec<Outcome>, OfflineError> {
         let group = &self.scenario.groups[0];
         let mut fleet = Fleet::new(self.scenario.loop_config(), vec![self.scenario.blocks(group)]);
         let period_s = fleet.period_s();
@@ -154,6 +157,7 @@ impl<'a> Road<'a> {
                 }
             }
             fleet.advance(1, |_| true, Follow::Profiles(&profiles));
+            fleet.soundness()?;
             rides.retain_mut(|ride| {
                 ride.periods += 1;
                 let (slot, time_s) = (ride.slot.lane(), f64::from(ride.periods) * period_s);
@@ -172,6 +176,6 @@ impl<'a> Road<'a> {
                 !ends
             });
         }
-        outcomes.into_iter().map(|outcome| outcome.expect("every vehicle ended")).collect()
+        Ok(outcomes.into_iter().map(|outcome| outcome.expect("every vehicle ended")).collect())
     }
 }

@@ -86,7 +86,7 @@ fn numbers(road: &Road, preset: &Preset, controller: &'static str) -> Result<Vec
         error.samples += 1;
         error.squares += e * e;
         error.largest = error.largest.max(e.abs());
-    });
+    })?;
     let mut rows = Vec::new();
     for (d, (suffix, _)) in DISTURBANCES.iter().enumerate() {
         let mine = d * (SEEDS + 1)..(d + 1) * (SEEDS + 1);

@@ -139,7 +139,7 @@ fn drive(
                 exact[route].push(vehicle.moment());
             }
         }
-    });
+    })?;
     let mut driven = Vec::new();
     for (((suffix, road), outcomes), exact) in roads.iter().zip(outcomes.chunks(SEEDS + 1)).zip(exact) {
         let name = format!("{test}{suffix}");

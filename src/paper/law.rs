@@ -90,7 +90,7 @@ impl Point {
             let mut path = Vec::new();
             road.drive(&road.trips(0, 0.0, End::Distance(LENGTH_M))?, |vehicle| {
                 path.push((vehicle.distance_m(), vehicle.speed_mps()));
-            });
+            })?;
             let plateau = Plateau { from_m: 0.0, to_m: LENGTH_M, target_mps: TARGET_MPS };
             *overshoot = response(&path, &plateau).overshoot;
         }

@@ -85,7 +85,7 @@ fn drive(
         if vehicle.trip == 0 {
             exact.push(moment);
         }
-    });
+    })?;
     let named = Rows { test, preset: &preset.name, controller };
     let overshoot: Vec<_> = courses.iter().map(|c| Some(100.0 * c.over)).collect();
     let converged: Vec<_> = courses.iter().map(|c| c.converged_m).collect();

@@ -132,7 +132,7 @@ pub fn drive(road: &Road, seeds: usize) -> Result<Drive, PaperError> {
         if i == 0 {
             exact.push(moment);
         }
-    });
+    })?;
     let nominal = nominal.iter().zip(&paths).map(|(n, path)| f64::from(*n) / path.len() as f64).collect();
     let responses = paths.iter().map(|path| steps.map(|step| response(path, &step))).collect();
     let torque_settling_m = torques.iter().map(|path| steps.map(|step| torque_settling(path, &step))).collect();

@@ -35,7 +35,7 @@ impl Scenario {
         let values = with_model(&values, actuator.delay_s, actuator.lag_s);
         let period_s = self.coupling.control_period_s;
         GroupSetup {
-            controller: Box::new(move || (entry.build)(&values, period_s)),
+            law: Box::new(move || (entry.build)(&values, period_s)),
             dead_time_max_s: ActuatorKeys::from_values(&group.actuator.largest()).delay_s.max(self.dead_time_max_s),
         }
     }

@@ -110,7 +110,7 @@ impl Group {
     /// Whether its egos drive a body: whether they have a controller.
     pub fn has_body(&self) -> bool {
         const ANY_PERIOD_S: f64 = 0.01;
-        (self.controller.entry.build)(&self.controller.values, ANY_PERIOD_S).is_some()
+        !matches!((self.controller.entry.build)(&self.controller.values, ANY_PERIOD_S), control::Law::Nothing)
     }
 }
 

@@ -385,7 +385,7 @@ fn a_law_with_a_model_is_told_of_the_actuators() {
         let named = Override::text("test", "controller.name", "smith_pi");
         let request = Request { scenario: None, overrides: overrides.chain([named]).collect() };
         let scenario = Scenario::load_offline(&request, &Catalog::installed()).unwrap();
-        let mut law = (scenario.blocks(&scenario.groups[0]).controller)().unwrap();
+        let mut law = (scenario.blocks(&scenario.groups[0]).law)().block().unwrap();
         let one = |_| {
             let observation = Observation {
                 measured_mps: [5.0; LANES],

@@ -55,7 +55,7 @@ impl<'a> ClosedLoop<'a> {
 
     fn law(&self) -> Result<Box<dyn Controller>, StabilityError> {
         let group = &self.scenario.groups[0];
-        let law = (self.scenario.blocks(group).controller)();
+        let law = (self.scenario.blocks(group).law)().block();
         law.ok_or_else(|| StabilityError::NoLaw(group.controller.name().to_owned()))
     }
 

@@ -91,7 +91,7 @@ impl<'a> Drives<'a> {
             }
         }
         // A trip has its own profile, so that all share the blocks of one road.
-        let outcomes = roads[0].drive(&trips, |_| {});
+        let outcomes = roads[0].drive(&trips, |_| {})?;
         let error = |outcome: &Outcome| outcome.stats.error_rms.filter(|e| outcome.finished && e.is_finite());
         let by_seed = outcomes.chunks(recordings.len()).map(|seed| seed.iter().map(error).collect());
         Ok(Trial { errors_mps: by_seed.collect() })

@@ -4,7 +4,7 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use sumo_mfc::control::{Actuation, CONTROLLERS, Command, Controller, Observation};
+use sumo_mfc::control::{Actuation, CONTROLLERS, Command, Law, Observation};
 use sumo_mfc::fleet::follow::{Bound, Follow};
 use sumo_mfc::fleet::steering::Steering;
 use sumo_mfc::fleet::{ActuatorSetup, Fleet, GroupSetup, LoopConfig, Slot, VehicleSetup};
@@ -26,7 +26,7 @@ fn laws() -> impl Iterator<Item = &'static str> {
     CONTROLLERS.iter().map(|entry| entry.name)
 }
 
-fn law(name: &str) -> Option<Box<dyn Controller>> {
+fn law(name: &str) -> Law {
     let entry = find("controller", &CONTROLLERS, name).expect("a controller");
     (entry.build)(&Values::defaults(entry.keys), 0.01)
 }
@@ -34,7 +34,7 @@ fn law(name: &str) -> Option<Box<dyn Controller>> {
 /// Estimator and law; the last entry has none.
 #[divan::bench(args = laws().filter(|name| *name != "ideal"))]
 fn controller(bencher: Bencher, name: &str) {
-    let mut law = law(name).expect("a law");
+    let mut law = law(name).block().expect("a law");
     let observation = Observation {
         measured_mps: std::array::from_fn(|i| 5.0 + i as f64),
         reference_mps: std::array::from_fn(|i| 5.1 + i as f64),
@@ -109,7 +109,7 @@ fn statistics(bencher: Bencher) {
 
 /// A fleet whose vehicles go back and forth between two speeds, and its next step.
 fn fleet(name: &'static str, vehicles: usize) -> impl FnMut() {
-    let group = GroupSetup { controller: Box::new(move || law(name)), dead_time_max_s: 0.0 };
+    let group = GroupSetup { law: Box::new(move || law(name)), dead_time_max_s: 0.0 };
     let plant = Box::new(SevenDof::new(0.01));
     let mut fleet = Fleet::new(LoopConfig { plant, period_s: 0.01, reference_bound_mps: 1.0 }, vec![group]);
     let body = (BODIES[0].build)();

@@ -12,6 +12,7 @@ use assert_cmd::Command;
 use predicates::prelude::*;
 use proxy::Fault;
 use step_reference::StepReference;
+use sumo_mfc::control::Law;
 use sumo_mfc::cosim::self_check::{self, Check};
 use sumo_mfc::cosim::{CosimError, TraciLink, WorldSetup};
 use sumo_mfc::doctor;
@@ -115,8 +116,11 @@ fn the_coupling_passes_through_a_proxy_that_alters_nothing() {
 fn a_reference_given_as_a_step_is_noticed() {
     let change = |setup: &mut WorldSetup| {
         for block in &mut setup.blocks {
-            let law = std::mem::replace(&mut block.controller, Box::new(|| unreachable!("replaced below")));
-            block.controller = Box::new(move || Some(Box::new(StepReference::around(law()?))));
+            let law = std::mem::replace(&mut block.law, Box::new(|| unreachable!("replaced below")));
+            block.law = Box::new(move || match law().block() {
+                Some(controller) => Law::Block(Box::new(StepReference::around(controller))),
+                None => Law::Nothing,
+            });
         }
     };
     is_noticed(Fault::None, change, "no creep");
