@@ -51,7 +51,7 @@ fn controller(bencher: Bencher, name: &str) {
 /// The same for `mpc` while the torque limits bind, so that its program has to be solved.
 #[divan::bench]
 fn mpc_at_its_limits(bencher: Bencher) {
-    let mut law = law("mpc").expect("a law");
+    let mut law = law("mpc").block().expect("a law");
     let observation = Observation {
         measured_mps: [5.0; LANES],
         reference_mps: [15.0; LANES],
