@@ -16,6 +16,7 @@ mod riccati;
 use crate::registry::Entry;
 pub use actuator_model::with_model;
 pub use controller::{Actuation, Build, Command, Controller, Observation, law};
+pub use estimator::f_hat;
 use std::sync::LazyLock;
 
 /// Declares the file of each law and lists its entry.
