@@ -20,7 +20,7 @@ mod _core {
     #[pymodule_export]
     use super::offline::drive;
     #[pymodule_export]
-    use super::parts::{Plant, identify_tyre, ultra_local_f, tyre_force};
+    use super::parts::{Plant, identify_tyre, tyre_force, ultra_local_f};
     #[pymodule_export]
     use super::plan::Plan;
     #[pymodule_export]

@@ -15,9 +15,15 @@ use sumo_mfc::scenario::{Catalog, Override, Request, Scenario};
 #[pyclass(module = "sumo_mfc._core")]
 pub struct Plant {
     model: Box<dyn Model>,
+    /// In a box because its columns begin where vectors do, which Python's memory does not heed.
+    vehicle: Box<Vehicle>,
+    period_s: f64,
+}
+
+/// What the plant moves, in slot 0, and what acts on it.
+struct Vehicle {
     block: PlantBlock,
     inputs: Inputs,
-    period_s: f64,
 }
 
 #[pymethods]
@@ -40,11 +46,19 @@ impl Plant {
         let mut block = PlantBlock::default();
         block.set_body(0, &body);
         block.set_state(0, &State::rolling(&body, speed_mps));
-        Ok(Self { model: scenario.loop_config().plant, block, inputs: Inputs::default(), period_s })
+        let vehicle = Box::new(Vehicle { block, inputs: Inputs::default() });
+        Ok(Self { model: scenario.loop_config().plant, vehicle, period_s })
     }
 
     /// One period.
-    fn step(&mut self, torque_nm: f64, steer_rad: f64, grade_rad: f64, bank_rad: f64, headwind_mps: f64) -> PyResult<()> {
+    fn step(
+        &mut self,
+        torque_nm: f64,
+        steer_rad: f64,
+        grade_rad: f64,
+        bank_rad: f64,
+        headwind_mps: f64,
+    ) -> PyResult<()> {
         let angles = [("steer", steer_rad), ("grade", grade_rad), ("bank", bank_rad)];
         if let Some((name, angle)) = angles.iter().find(|(_, angle)| angle.is_nan() || angle.abs() > 1.5) {
             return Err(plain(format!("{name}: found {angle}, wanted radians from -1.5 to 1.5")));
@@ -52,7 +66,7 @@ impl Plant {
         if !(torque_nm.is_finite() && headwind_mps.is_finite()) {
             return Err(plain("torque, headwind: wanted finite numbers"));
         }
-        let inputs = &mut self.inputs;
+        let Vehicle { block, inputs } = &mut *self.vehicle;
         inputs.torque_nm[0] = torque_nm;
         inputs.steer_rad[0] = steer_rad;
         inputs.grade_rad[0] = grade_rad;
@@ -60,36 +74,42 @@ impl Plant {
         inputs.headwind_mps[0] = headwind_mps;
         let mut moving = [0.0; LANES];
         moving[0] = 1.0;
-        self.model.advance(&mut self.block, &self.inputs, &moving, self.period_s);
-        if self.block.is_sensible(0) { Ok(()) } else { Err(plain("the body has diverged")) }
+        self.model.advance(block, inputs, &moving, self.period_s);
+        if block.is_sensible(0) { Ok(()) } else { Err(plain("the body has diverged")) }
     }
 
     /// V_x, V_y (m/s), yaw rate (rad/s), and the four wheel speeds (rad/s).
     fn state(&self) -> [f64; 7] {
-        let State { vx_mps, vy_mps, yaw_rate_radps, wheel_speed_radps: [a, b, c, d] } = self.block.state(0);
+        let State { vx_mps, vy_mps, yaw_rate_radps, wheel_speed_radps: [a, b, c, d] } = self.vehicle.block.state(0);
         [vx_mps, vy_mps, yaw_rate_radps, a, b, c, d]
     }
 
     /// Driven distance (m).
     fn distance(&self) -> f64 {
-        self.block.distance_m[0]
+        self.vehicle.block.distance_m[0]
     }
 
     /// Slip ratios of front and rear axle.
     fn slip(&self) -> [f64; 2] {
-        self.block.slip(0, self.inputs.steer_rad[0])
+        self.vehicle.block.slip(0, self.vehicle.inputs.steer_rad[0])
     }
 
     /// Mass (kg), torque per acceleration (N·m per m/s²), largest driving and braking torque (N·m).
     fn constants(&self) -> [f64; 4] {
-        let body = self.block.body(0);
+        let body = self.vehicle.block.body(0);
         [body.mass_kg, body.nominal_nm_per_mps2(), body.drive_torque_max_nm, body.brake_torque_max_nm]
     }
 }
 
 /// Force over peak force of the Magic Formula with these constants, for slips of any number.
 #[pyfunction]
-pub fn tyre_force<'py>(py: Python<'py>, slip: PyReadonlyArray1<'py, f64>, b: f64, c: f64, e: f64) -> Bound<'py, PyArray1<f64>> {
+pub fn tyre_force<'py>(
+    py: Python<'py>,
+    slip: PyReadonlyArray1<'py, f64>,
+    b: f64,
+    c: f64,
+    e: f64,
+) -> Bound<'py, PyArray1<f64>> {
     let tyre = Tyre { b, c, e };
     PyArray1::from_iter(py, slip.as_array().iter().map(|slip| tyre.force_per_peak(*slip)))
 }
@@ -116,7 +136,9 @@ pub fn ultra_local_f<'py>(
         return Err(plain(format!("found {} speeds and {} inputs, wanted as many", speed_mps.len(), input_mps2.len())));
     }
     if !(period_s > 0.0 && window_s >= period_s && window_s / period_s < 1e5) {
-        return Err(plain(format!("found a window of {window_s} s and a period of {period_s} s, wanted 1 to 100000 periods")));
+        return Err(plain(format!(
+            "found a window of {window_s} s and a period of {period_s} s, wanted 1 to 100000 periods"
+        )));
     }
     Ok(PyArray1::from_vec(py, control::f_hat(&speed_mps, &input_mps2, window_s, period_s)))
 }

@@ -76,9 +76,8 @@ impl Plan {
             ended.map_err(|_| PyRuntimeError::new_err("the run has panicked"))?.map_err(raised)?;
         if *report {
             let request = report::Request { dirs: vec![dir.clone()], ..report::Request::default() };
-            py.detach(|| report::report(&request)).map_err(|error| {
-                plain(format!("the result is whole, but its report could not be written: {error}"))
-            })?;
+            py.detach(|| report::report(&request))
+                .map_err(|error| plain(format!("the result is whole, but its report could not be written: {error}")))?;
         }
         let text = terminal_text(&summary, &remarkable, &dir, &files);
         Ok((dir, text, notes))

@@ -17,8 +17,9 @@ const LOOK: Duration = Duration::from_millis(100);
 /// A run step by step.
 #[pyclass(module = "sumo_mfc._core")]
 pub struct Session {
-    /// Behind a lock because laws and open files stay in one thread at a time.
-    session: Mutex<Option<run::Session>>,
+    /// Behind a lock because laws and open files stay in one thread at a time; in a box because columns are aligned
+    /// for vectors, which Python's memory does not heed.
+    session: Mutex<Option<Box<run::Session>>>,
     egos: Vec<TraceRow>,
     pool: ThreadPool,
     runtime: Runtime,
@@ -44,11 +45,10 @@ impl Session {
         let threads = planned.options.threads.unwrap_or(0);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(plain)?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().map_err(plain)?;
-        let open = || {
-            runtime.block_on(unless_signalled(run::Session::open(&planned.scenario, &planned.options.session)))
-        };
+        let open =
+            || runtime.block_on(unless_signalled(run::Session::open(&planned.scenario, &planned.options.session)));
         let session = py.detach(|| pool.install(open))?;
-        Ok(Self { session: Mutex::new(Some(session)), egos: Vec::new(), pool, runtime })
+        Ok(Self { session: Mutex::new(Some(Box::new(session))), egos: Vec::new(), pool, runtime })
     }
 
     /// One step. False if the run was over before it, and nothing was done.
@@ -117,7 +117,7 @@ impl Session {
 }
 
 impl Session {
-    fn open(&mut self) -> &mut Option<run::Session> {
+    fn open(&mut self) -> &mut Option<Box<run::Session>> {
         self.session.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 }

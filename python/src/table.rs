@@ -4,7 +4,9 @@
 use crate::error::plain;
 use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::ffi_stream::FFI_ArrowArrayStream;
-use arrow_array::{Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray};
+use arrow_array::{
+    Array, ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchIterator, StringArray,
+};
 use arrow_schema::{DataType, Field, Schema, SchemaRef, ffi::FFI_ArrowSchema};
 use numpy::{PyArray1, PyArrayMethods};
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -61,16 +63,20 @@ impl Table {
         let schema = self.batch.schema();
         let told = |field: &Arc<Field>| {
             let metadata = field.metadata();
-            (field.name().clone(), (metadata.get("unit").cloned(), metadata.get("meaning").cloned().unwrap_or_default()))
+            (
+                field.name().clone(),
+                (metadata.get("unit").cloned(), metadata.get("meaning").cloned().unwrap_or_default()),
+            )
         };
         schema.fields().iter().map(told).collect()
     }
 
     /// A column: numbers as a NumPy array of floats with nan where there is no value, flags as one of bools, texts as a list.
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let column = self.batch.column_by_name(name).ok_or_else(|| {
-            PyKeyError::new_err(format!("{name}: wanted one of {}", self.columns().join(", ")))
-        })?;
+        let column = self
+            .batch
+            .column_by_name(name)
+            .ok_or_else(|| PyKeyError::new_err(format!("{name}: wanted one of {}", self.columns().join(", "))))?;
         let any = column.as_any();
         if let Some(texts) = any.downcast_ref::<StringArray>() {
             return Ok(PyList::new(py, texts.iter())?.into_any());
@@ -99,7 +105,11 @@ impl Table {
     /// A table of numbers: name, unit, meaning and values of each column.
     pub fn of_numbers(columns: Vec<(&str, &str, &str, Vec<f64>)>) -> PyResult<Self> {
         let fields = columns.iter().map(|(name, unit, meaning, _)| {
-            described(Field::new(*name, DataType::Float64, true), Some(unit).filter(|u| !u.is_empty()).copied(), meaning)
+            described(
+                Field::new(*name, DataType::Float64, true),
+                Some(unit).filter(|u| !u.is_empty()).copied(),
+                meaning,
+            )
         });
         let schema = Arc::new(Schema::new(fields.collect::<Vec<_>>()));
         let arrays = columns.into_iter().map(|(.., values)| Arc::new(Float64Array::from(values)) as ArrayRef);

@@ -27,7 +27,7 @@ def test_val_a_comparison_has_the_bytes_of_the_command_line(
         assert (study.dir / table).read_bytes() == (tmp_path / "there" / table).read_bytes(), table
     assert study.text == ended.stdout
     assert len(study.cases) == 4 and set(study.cases["status"]) == {"done"}
-    assert "error_rms" in study.comparison["metric"]
+    assert "error_rms_mean" in study.comparison["metric"]
     vehicles = pa.table(study.vehicles)
     assert vehicles.num_rows > 50 and vehicles["sumo_duration"].null_count < vehicles.num_rows
 
@@ -60,8 +60,8 @@ def test_a_sweep_varies_keys_and_goes_on_where_it_was(straight: Path, tmp_path: 
 def test_errors_of_studies_are_exceptions(straight: Path, tmp_path: Path) -> None:
     with pytest.raises(sumo_mfc.Error, match='unknown controller "pod"'):
         sumo_mfc.compare(straight, ["ideal", "pod"], seeds=[1], end=5, quiet=True)
-    with pytest.raises(sumo_mfc.Error, match="1 case failed") as raised:
-        sumo_mfc.compare(straight, ["ideal"], seeds=[1], end=5, step_length=0.013, out=tmp_path, quiet=True)
+    with pytest.raises(sumo_mfc.Error, match="2 cases failed") as raised:
+        sumo_mfc.compare(straight, ["ideal", "pid"], seeds=[1], end=5, egos="id:nobody", out=tmp_path, quiet=True)
     assert raised.value.spans == []
 
 
@@ -73,7 +73,7 @@ def test_ctrl_c_ends_a_study(city: Path, tmp_path: Path) -> None:
         except KeyboardInterrupt:
             print("interrupted")
     """
-    ended = interrupted(script, tmp_path / "cases" / "0001" / "sample.csv.part", city, tmp_path)
+    ended = interrupted(script, tmp_path / "cases" / "0001" / "vehicles.csv.part", city, tmp_path)
     assert (ended.returncode, ended.stdout) == (0, "interrupted\n"), ended.stderr
     assert "stopped: 0 of 2 cases are done" in ended.stderr
     assert json.loads((tmp_path / "cases" / "0001" / "run.json").read_text())["status"] != "complete"
