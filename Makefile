@@ -1,7 +1,7 @@
 # make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo dist test bytes matrix tuning chaos day fuzz bench book setup setup-test clean
+.PHONY: help demo dist wheel test bytes matrix tuning chaos day fuzz bench book setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
@@ -22,9 +22,13 @@ demo: ## A city whose cars answer late and measure with noise: compare five cont
 test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.28.0 and 1.15.0
 	cargo test --release --locked
 	@.ci/libsumo
+	@.ci/python
 
 dist: ## A static Linux program with manual pages, completions and a list of its parts, packed into target/dist/
 	.ci/dist
+
+wheel: ## The Python package as a wheel: target/python/wheels/ (needs python3 with venv)
+	@.ci/python wheel
 
 bytes: setup-test ## Compare the bytes of eight simulations and the paper's tests with the recorded ones
 	cargo build --release --locked

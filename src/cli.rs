@@ -10,10 +10,14 @@
 //!     cli::main(&catalog)
 //! }
 //! ```
+//! A program that is started in another way than by its own file, as the Python package is, makes a [`Call`] for
+//! [`main_of`]; [`Planned`] is what the arguments of `run` ask for, for code that runs it itself.
 
 mod arguments;
+mod call;
 mod help;
 mod pages;
+mod planned;
 mod shared;
 mod stability;
 mod study;
@@ -27,8 +31,10 @@ use std::{
 };
 
 use arguments::{CheckArgs, Cli, Command, ListArgs, ManArgs, PaperArgs, ReportArgs, RunArgs};
+pub use call::Call;
 use clap::Parser;
 use miette::{IntoDiagnostic, MietteHandlerOpts};
+pub use planned::{Planned, Usage};
 use stability::StabilityArgs;
 use tracing::level_filters::LevelFilter;
 use tuning::TuneArgs;
@@ -37,27 +43,37 @@ use crate::{
     doctor, map,
     output::{FORMS, Form, write_table},
     paper, report,
-    run::{self, RunError, RunOptions, RunResult, SessionOptions, terminal_text},
+    run::{self, RunError, RunResult, terminal_text},
     scenario::{Catalog, Scenario, schema, template},
     stability as margins, tune,
 };
 
+/// What is done when all went well, and what otherwise.
+const SUCCESS: u8 = 0;
+const FAILURE: u8 = 1;
+
 /// Does what the arguments of the program ask for, with what `catalog` offers. Returns the exit code.
 pub fn main(catalog: &Catalog) -> ExitCode {
+    ExitCode::from(main_of(&Call::current(catalog)))
+}
+
+/// The same for arguments that come from somewhere else. Returns the exit code as a number.
+pub fn main_of(call: &Call) -> u8 {
     // Long paths stay whole, so that they can be copied and searched for. Every error tells its causes itself.
     let handler = || MietteHandlerOpts::new().wrap_lines(false).without_cause_chain().build();
     let _ = miette::set_hook(Box::new(move |_| Box::new(handler())));
-    let cli = match Cli::try_parse() {
+    let catalog = call.catalog;
+    let cli = match Cli::try_parse_from(call.words()) {
         Ok(cli) => cli,
         Err(usage) => {
             let _ = usage.print();
-            return ExitCode::from(u8::from(usage.use_stderr()));
+            return u8::from(usage.use_stderr());
         }
     };
     let done = match cli.command {
         Command::Run(args) => run(&args, catalog),
-        Command::Compare(args) => study::study(&args.study, args.arguments(), catalog),
-        Command::Sweep(args) => study::study(&args.study, args.arguments(), catalog),
+        Command::Compare(args) => study::study(&args.study, args.arguments(), call),
+        Command::Sweep(args) => study::study(&args.study, args.arguments(), call),
         Command::Report(args) => report_of(args),
         Command::Recover(args) => recover(&args.dirs),
         Command::Check(args) => check(&args, catalog),
@@ -68,45 +84,31 @@ pub fn main(catalog: &Catalog) -> ExitCode {
         Command::Doctor => doctor(),
         Command::Completions(args) => print(&pages::completions(args.shell)),
         Command::Man(args) => man(&args),
-        Command::SlurmTask(args) => study::slurm_task(&args),
+        Command::SlurmTask(args) => study::slurm_task(&args, call),
     };
     done.unwrap_or_else(|report| {
         eprintln!("{report:?}");
-        ExitCode::FAILURE
+        FAILURE
     })
 }
 
-fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+fn run(args: &RunArgs, catalog: &Catalog) -> miette::Result<u8> {
     log(args.verbose)?;
-    let scenario = match &args.from {
-        Some(manifest) => run::repeated(manifest, catalog)?,
-        None => Scenario::load(&args.scenario.request(), catalog)?,
-    };
+    let Planned { scenario, mut options, .. } = Planned::of(args, catalog)?;
     if !args.quiet {
         notes(&scenario.notes);
     }
-    let options = RunOptions {
-        session: SessionOptions {
-            out_dir: args.out.clone().unwrap_or_else(|| scenario.default_folder()),
-            force: args.force,
-            backend: args.backend,
-            profile: args.profile,
-            tell: (!args.quiet).then_some(|line| eprintln!("note: {line}")),
-            ..SessionOptions::default()
-        },
-        threads: args.threads.map(usize::from),
-        progress: !args.quiet && std::io::stderr().is_terminal(),
-        tied: args.tied,
-    };
+    options.session.tell = (!args.quiet).then_some(|line| eprintln!("note: {line}"));
+    options.progress = !args.quiet && std::io::stderr().is_terminal();
     let result = match run::run(&scenario, &options) {
-        Err(RunError::Interrupted(signal)) => return Ok(ExitCode::from(signal.exit_code())),
+        Err(RunError::Interrupted(signal)) => return Ok(signal.exit_code()),
         done => done?,
     };
     if !args.quiet {
         notes(&result.notes);
     }
     told(&result, args)?;
-    Ok(result.interrupted.map_or(ExitCode::SUCCESS, |signal| ExitCode::from(signal.exit_code())))
+    Ok(result.interrupted.map_or(SUCCESS, |signal| signal.exit_code()))
 }
 
 /// Says what a run came to, and writes its page.
@@ -147,7 +149,7 @@ fn log(verbose: bool) -> miette::Result<()> {
     Ok(())
 }
 
-fn check(args: &CheckArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+fn check(args: &CheckArgs, catalog: &Catalog) -> miette::Result<u8> {
     if args.template {
         return print(&template(catalog));
     }
@@ -159,7 +161,7 @@ fn check(args: &CheckArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     print(&scenario.to_toml())
 }
 
-fn recover(dirs: &[PathBuf]) -> miette::Result<ExitCode> {
+fn recover(dirs: &[PathBuf]) -> miette::Result<u8> {
     for dir in dirs {
         let run::Recovered { tables, lost } = run::recover(dir)?;
         let rows = |(name, rows): &(String, Option<usize>)| match rows {
@@ -172,13 +174,13 @@ fn recover(dirs: &[PathBuf]) -> miette::Result<ExitCode> {
             eprintln!("note: {}: lost: {}", dir.display(), lost.join(", "));
         }
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(SUCCESS)
 }
 
-fn report_of(args: ReportArgs) -> miette::Result<ExitCode> {
+fn report_of(args: ReportArgs) -> miette::Result<u8> {
     let quiet = args.quiet;
     let written = report::report(&args.request())?;
-    if quiet { Ok(ExitCode::SUCCESS) } else { print(&format!("{}\n", written.page.display())) }
+    if quiet { Ok(SUCCESS) } else { print(&format!("{}\n", written.page.display())) }
 }
 
 /// Writes the page that comes with a result, and returns its path. The result itself is whole whatever becomes of its page.
@@ -194,7 +196,7 @@ fn line(name: &str, text: &impl std::fmt::Display) -> String {
     format!("{name:<14} {text}\n")
 }
 
-fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
+fn paper_tests(args: PaperArgs) -> miette::Result<u8> {
     let sets = args.overrides();
     let PaperArgs { test, out, coarse, preset, driver, export, quiet, .. } = args;
     if test == "map" && export.export.is_some() {
@@ -206,24 +208,24 @@ fn paper_tests(args: PaperArgs) -> miette::Result<ExitCode> {
     let results = paper::run(&request, map::finding)?;
     match export.export {
         Some(form) => print(&tables::reproduced(&results, form)),
-        None if quiet => Ok(ExitCode::SUCCESS),
+        None if quiet => Ok(SUCCESS),
         None => print(&format!("{}{}\n", results.table(), page.display())),
     }
 }
 
-fn tuned(args: &TuneArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+fn tuned(args: &TuneArgs, catalog: &Catalog) -> miette::Result<u8> {
     let rows = tune::tune(&args.request(!args.quiet && std::io::stderr().is_terminal()), catalog)?;
     let layout = tune::layout();
     let path = write_table(&args.out.join("tune.csv"), &layout, &rows).into_diagnostic()?;
     match args.export.export {
         Some(form) if !form.for_people => print(&form.text(&layout, &rows)),
         Some(form) => print(&tables::tuned(&rows, form)),
-        None if args.quiet => Ok(ExitCode::SUCCESS),
+        None if args.quiet => Ok(SUCCESS),
         None => print(&format!("{}written        {}\n", tables::tuned(&rows, FORMS[0].build), path.display())),
     }
 }
 
-fn stable(args: &StabilityArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+fn stable(args: &StabilityArgs, catalog: &Catalog) -> miette::Result<u8> {
     let found = margins::examine(&args.request(!args.quiet && std::io::stderr().is_terminal()), catalog)?;
     let (loops, strings) = (margins::margin_layout(), margins::string_layout());
     let written = [
@@ -236,7 +238,7 @@ fn stable(args: &StabilityArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
     match args.export.export {
         Some(form) if form.for_people => print(&tables(form)),
         Some(form) => print(&form.text(&loops, &found.margins)),
-        None if args.quiet => Ok(ExitCode::SUCCESS),
+        None if args.quiet => Ok(SUCCESS),
         None => print(&format!("{}\nwritten        {}\n", tables(FORMS[0].build), paths(&written))),
     }
 }
@@ -245,21 +247,21 @@ fn paths(written: &[PathBuf]) -> String {
     written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-fn list(args: &ListArgs, catalog: &Catalog) -> miette::Result<ExitCode> {
+fn list(args: &ListArgs, catalog: &Catalog) -> miette::Result<u8> {
     print(&args.export.export.map_or_else(|| catalog.lines(), |form| tables::listed(catalog, form)))
 }
 
-fn man(args: &ManArgs) -> miette::Result<ExitCode> {
+fn man(args: &ManArgs) -> miette::Result<u8> {
     match &args.out {
-        Some(dir) => pages::write_manuals(dir).map(|()| ExitCode::SUCCESS).map_err(|error| miette::miette!("{error}")),
+        Some(dir) => pages::write_manuals(dir).map(|()| SUCCESS).map_err(|error| miette::miette!("{error}")),
         None => print(&pages::manual().into_diagnostic()?),
     }
 }
 
-fn doctor() -> miette::Result<ExitCode> {
+fn doctor() -> miette::Result<u8> {
     let report = doctor::examine(None);
     print(&report.to_string())?;
-    Ok(if report.is_well() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if report.is_well() { SUCCESS } else { FAILURE })
 }
 
 fn notes(notes: &[String]) {
@@ -269,9 +271,9 @@ fn notes(notes: &[String]) {
 }
 
 /// Writes data to stdout. A reader that has seen enough (`| head`) is no error.
-fn print(text: &str) -> miette::Result<ExitCode> {
+fn print(text: &str) -> miette::Result<u8> {
     match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(ExitCode::SUCCESS),
-        done => done.map(|()| ExitCode::SUCCESS).into_diagnostic(),
+        Err(e) if e.kind() == ErrorKind::BrokenPipe => Ok(SUCCESS),
+        done => done.map(|()| SUCCESS).into_diagnostic(),
     }
 }

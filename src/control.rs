@@ -20,6 +20,7 @@ mod signals;
 use crate::registry::Entry;
 pub use actuator_model::with_model;
 pub use controller::Controller;
+pub use estimator::f_hat;
 pub use group::{Delegate, GroupController, GroupPeriod};
 pub use law::{Build, Law, group_law, law};
 pub use port::Port;

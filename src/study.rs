@@ -46,6 +46,7 @@ pub use error::StudyError;
 pub use executor::EXECUTORS;
 pub use metrics::{METRIC_COUNT, METRICS, Metric};
 pub use plan::{Case, Plan};
+pub use process::Program;
 pub use setting::{Setting, settings};
 pub use slurm::{SlurmKeys, run_task};
 pub use statistics::{Estimate, advice, holm, seeds_for};

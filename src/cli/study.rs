@@ -1,9 +1,11 @@
 //! `sweep` and `compare`.
 
-use std::{collections::BTreeMap, ffi::OsString, process::ExitCode};
+use std::{collections::BTreeMap, ffi::OsString};
 
 use super::{
+    SUCCESS,
     arguments::{SlurmTaskArgs, StudyArgs},
+    call::Call,
     line, notes, print,
     tables::{CaseLine, Standing as Listed, standings},
     write_report,
@@ -11,7 +13,6 @@ use super::{
 use crate::{
     registry::find,
     run::{Backend, RunError},
-    scenario::Catalog,
     study::{
         Arguments, Case, Definition, EXECUTORS, Ended, Plan, Standing, State, StudyError, Turn, Work, advice, collect,
         exported_table, run_task, terminal_table,
@@ -20,7 +21,7 @@ use crate::{
 };
 
 /// Plans a study, runs what is not done, and prints the table.
-pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miette::Result<ExitCode> {
+pub fn study(args: &StudyArgs, arguments: Arguments, call: &Call) -> miette::Result<u8> {
     let executor = find("executor", EXECUTORS, &args.executor).map_err(StudyError::from)?.build;
     if args.executor != "slurm" && !args.slurm.is_empty() {
         miette::bail!("--slurm: found the executor {}, wanted --executor slurm with it", args.executor);
@@ -30,7 +31,7 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     }
     let shard = args.shard.as_deref().map(shard).transpose()?;
     let definition = Definition::read(&arguments)?;
-    let plan = Plan::new(&definition, args.out.clone(), catalog)?;
+    let plan = Plan::new(&definition, args.out.clone(), call.catalog)?;
     let mine = |case: &&Case| shard.is_none_or(|(i, n)| case.number % n == i % n);
     if args.plan || args.status {
         let standing = if args.status { (executor.standing)(&plan)? } else { BTreeMap::new() };
@@ -49,14 +50,14 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     let todo: Vec<&Case> =
         plan.cases.iter().filter(mine).filter(|case| args.force || State::of(&plan, case) != State::Done).collect();
     obstacle(args.backend, &plan.sumo, args.quiet)?;
-    let program = std::env::current_exe().map_err(StudyError::from)?;
+    let program = call.program()?;
     let work = Work {
         plan: &plan,
         cases: &todo,
         jobs: args.jobs.map(usize::from),
         backend: args.backend,
         program: &program,
-        tables: &collecting(),
+        tables: &collecting(&call.arguments),
         force: args.force,
         wait: args.wait,
         slurm: &definition.slurm,
@@ -69,7 +70,7 @@ pub fn study(args: &StudyArgs, arguments: Arguments, catalog: &Catalog) -> miett
     if let Ended::Interrupted(signal) = ended {
         let done = plan.cases.iter().filter(|case| State::of(&plan, case) == State::Done).count();
         eprintln!("stopped: {done} of {} cases are done; the same command goes on from there", plan.cases.len());
-        return Ok(ExitCode::from(signal.exit_code()));
+        return Ok(signal.exit_code());
     }
     if shard.is_none() {
         return tables(&plan, args);
@@ -96,14 +97,14 @@ fn obstacle(backend: Backend, sumo: &SumoBinary, quiet: bool) -> miette::Result<
 }
 
 /// The arguments of this call, changed so that they write the tables.
-fn collecting() -> Vec<OsString> {
-    let mut arguments = std::env::args_os().skip(1);
+fn collecting(arguments: &[OsString]) -> Vec<OsString> {
+    let mut arguments = arguments.iter().cloned();
     let subcommand = arguments.next();
     subcommand.into_iter().chain(["--collect".into()]).chain(arguments).collect()
 }
 
 /// Prints the numbers of the jobs, and how to go on.
-fn queued(plan: &Plan, cases: usize, jobs: &[String], quiet: bool) -> miette::Result<ExitCode> {
+fn queued(plan: &Plan, cases: usize, jobs: &[String], quiet: bool) -> miette::Result<u8> {
     if !quiet {
         let (cases, last) = (counted(cases, "case"), jobs.last().map_or("", String::as_str));
         eprintln!(
@@ -116,21 +117,21 @@ fn queued(plan: &Plan, cases: usize, jobs: &[String], quiet: bool) -> miette::Re
 }
 
 /// Runs one task of a job array.
-pub fn slurm_task(args: &SlurmTaskArgs) -> miette::Result<ExitCode> {
+pub fn slurm_task(args: &SlurmTaskArgs, call: &Call) -> miette::Result<u8> {
     const INDEX: &str = "SLURM_ARRAY_TASK_ID";
     let index = std::env::var(INDEX).ok().and_then(|index| index.parse().ok());
     let index =
         index.ok_or_else(|| miette::miette!("{INDEX} is not set: Slurm sets it for the tasks of job arrays"))?;
-    let program = std::env::current_exe().map_err(StudyError::from)?;
+    let program = call.program()?;
     let failed = run_task(&args.intent, &args.name, index, &program)?;
     for reason in &failed {
         eprintln!("{reason}");
     }
-    Ok(ExitCode::from(u8::from(!failed.is_empty())))
+    Ok(u8::from(!failed.is_empty()))
 }
 
 /// Writes and prints the tables.
-fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
+fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<u8> {
     let _turn = Turn::wait(&plan.dir)?;
     let tables = collect(plan)?;
     tables.write(plan)?;
@@ -140,7 +141,7 @@ fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
     }
     match args.export.export {
         Some(form) => print(&exported_table(&plan.keys, &tables.comparison, form))?,
-        None if args.quiet => ExitCode::SUCCESS,
+        None if args.quiet => SUCCESS,
         None => print(&terminal_table(&plan.keys, plan.seeds.len(), &tables.comparison))?,
     };
     if !args.no_report {
@@ -153,14 +154,14 @@ fn tables(plan: &Plan, args: &StudyArgs) -> miette::Result<ExitCode> {
 }
 
 /// What failed is in the tables, and no success.
-fn failures(failed: usize) -> miette::Result<ExitCode> {
+fn failures(failed: usize) -> miette::Result<u8> {
     if failed > 0 {
         return Err(miette::miette!(
             "{} failed; --status says why, and the same command tries again",
             counted(failed, "case")
         ));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(SUCCESS)
 }
 
 /// The cases as rows; with `open`, only those that are not done.

@@ -86,6 +86,16 @@ impl Window {
     }
 }
 
+/// F̂ [m/s²] at every sample of one vehicle, as laws compute it: from the measured speed y_k [m/s] and the input v_{k−1}
+/// [m/s²] that acted before it, over a window of `window_s`, with samples every `period_s`. Before the first sample the
+/// vehicle went on at its speed without input.
+pub fn f_hat(speeds_mps: &[f64], inputs_mps2: &[f64], window_s: f64, period_s: f64) -> Vec<f64> {
+    let mut window = Window::new(window_s, period_s);
+    window.fill(0, speeds_mps.first().copied().unwrap_or_default());
+    let samples = speeds_mps.iter().zip(inputs_mps2);
+    samples.map(|(y_mps, v_mps2)| window.estimate(&[*y_mps; LANES], &[*v_mps2; LANES])[0]).collect()
+}
+
 impl Slots for Window {
     fn clear(&mut self, slot: usize) {
         self.fill(slot, 0.0);

@@ -104,6 +104,15 @@ pub(super) fn build(keys: &ProfileKeys, folder: &Path) -> Result<Profile, Refere
     }
 }
 
+/// Numbers for a message, a few of many.
+fn shortened(numbers: &[f64]) -> String {
+    const SHOWN: usize = 8;
+    match numbers.get(..SHOWN) {
+        Some(first) if numbers.len() > SHOWN => format!("{} numbers, first {first:?}", numbers.len()),
+        _ => format!("{numbers:?}"),
+    }
+}
+
 fn numbers(key: &'static str, text: &str) -> Result<Vec<f64>, ReferenceError> {
     let parsed: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse()).collect();
     parsed.map_err(|_| ReferenceError::Value { key, found: format!("\"{text}\""), wanted: "numbers like \"0, 100\"" })
@@ -165,6 +174,26 @@ impl Profile {
         }
         let points = at.iter().zip(speeds_mps).map(|(&at, &speed_mps)| Point { at, speed_mps }).collect();
         Ok(Self { by, shape: Shape::Steps(points), track: None, note: None })
+    }
+
+    /// Straight lines between points: `speeds_mps[i]` at the place or time `at[i]` (m or s). Two points at the same place
+    /// make a jump.
+    ///
+    /// # Errors
+    /// [`ReferenceError::Value`] unless there are as many places as speeds, places do not decrease, and speeds are at least 0
+    /// (over position above 0: a vehicle would never leave a place where it stands).
+    pub fn lines(by: Axis, at: &[f64], speeds_mps: &[f64]) -> Result<Self, ReferenceError> {
+        if at.len() < 2 || !at.iter().all(|x| x.is_finite()) || !at.is_sorted() {
+            let wanted = "at least two places, none before the one ahead of it";
+            return Err(ReferenceError::Value { key: "at", found: shortened(at), wanted });
+        }
+        let drives = |v: &f64| v.is_finite() && (*v > 0.0 || (*v == 0.0 && by == Axis::Time));
+        if speeds_mps.len() != at.len() || !speeds_mps.iter().all(drives) {
+            let wanted = "one speed for every place, not negative, and above 0 if over position";
+            return Err(ReferenceError::Value { key: "speeds_mps", found: shortened(speeds_mps), wanted });
+        }
+        let points: Vec<Point> = at.iter().zip(speeds_mps).map(|(&at, &speed_mps)| Point { at, speed_mps }).collect();
+        Ok(Self { by, shape: lines(&points), track: None, note: None })
     }
 
     /// A sine around `mean_mps` that starts at the mean, with a wavelength (m) or period (s) of `length`.

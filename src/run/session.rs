@@ -7,6 +7,7 @@ use super::host::{Host, Reached};
 use super::options::SessionOptions;
 use super::profile::Profiler;
 use super::recorder::{Recorder, trace_row};
+use super::remote::Times;
 use super::result::{ResultWriter, RunResult};
 use super::rows::TraceRow;
 use super::setup;
@@ -183,6 +184,11 @@ impl Session {
     /// When the run ends \[s\]; `None` if only the traffic decides.
     pub fn end_s(&self) -> Option<f64> {
         self.end_s
+    }
+
+    /// How far the run is.
+    pub fn times(&self) -> Times {
+        Times { begin_s: self.begin_s, now_s: self.time_s(), end_s: self.end_s }
     }
 
     /// The egos on the road at the end of the last step: id, target, reference, speed, torque, distance, ... Their places

@@ -86,6 +86,11 @@ impl Signals {
         Ok(Self(raised))
     }
 
+    /// Those that somebody else notes, as exit codes.
+    pub fn of(raised: Arc<AtomicU8>) -> Self {
+        Self(raised)
+    }
+
     /// The signal that has come.
     pub fn raised(&self) -> Option<Signal> {
         let code = self.0.load(Ordering::Relaxed);

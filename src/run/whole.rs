@@ -3,6 +3,7 @@
 use super::error::RunError;
 use super::options::SessionOptions;
 use super::progress::Progress;
+use super::remote::Remote;
 use super::result::RunResult;
 use super::session::Session;
 use super::signals::Signals;
@@ -28,11 +29,29 @@ pub struct RunOptions {
     pub tied: bool,
 }
 
-/// Runs a scenario to its end.
+/// Runs a scenario to its end, or to a signal that this process gets.
 ///
 /// # Errors
 /// [`RunError`]; if SUMO or the disk fails on the way, [`RunError::Broken`] with what was computed left in the folder.
 pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunError> {
+    run_with(scenario, options, &Remote::default(), || Signals::watch(options.tied))
+}
+
+/// Runs a scenario to its end, or until `remote` is told to end it. It looks after no signals, so that it can run in
+/// programs that do so themselves.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_remote(scenario: &Scenario, options: &RunOptions, remote: &Remote) -> Result<RunResult, RunError> {
+    run_with(scenario, options, remote, || Ok(Signals::of(remote.raised())))
+}
+
+fn run_with(
+    scenario: &Scenario,
+    options: &RunOptions,
+    remote: &Remote,
+    signals: impl FnOnce() -> std::io::Result<Signals> + Send,
+) -> Result<RunResult, RunError> {
     let system = |error: &dyn std::fmt::Display| RunError::System(error.to_string());
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).stack_size(STACK_BYTES).build();
@@ -40,8 +59,8 @@ pub fn run(scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunEr
     let (pool, runtime) = (pool.map_err(|e| system(&e))?, runtime.map_err(|e| system(&e))?);
     pool.install(|| {
         runtime.block_on(async {
-            let signals = Signals::watch(options.tied).map_err(|e| system(&e))?;
-            run_until(&signals, scenario, options).await
+            let signals = signals().map_err(|e| system(&e))?;
+            run_until(&signals, scenario, options, remote).await
         })
     })
 }
@@ -57,7 +76,12 @@ async fn tell_if_slow(options: &SessionOptions) {
     }
 }
 
-async fn run_until(signals: &Signals, scenario: &Scenario, options: &RunOptions) -> Result<RunResult, RunError> {
+async fn run_until(
+    signals: &Signals,
+    scenario: &Scenario,
+    options: &RunOptions,
+    remote: &Remote,
+) -> Result<RunResult, RunError> {
     let mut session = Session::open_unless(scenario, &options.session, signals.wait()).await?;
     let progress = Progress::new(options.progress, options.tied, &session);
     while signals.raised().is_none() && !session.is_over() {
@@ -68,6 +92,7 @@ async fn run_until(signals: &Signals, scenario: &Scenario, options: &RunOptions)
             () = slow => unreachable!("it tells for ever"),
         }
         progress.show(&session);
+        remote.show(session.times());
     }
     drop(progress);
     let interrupted = signals.raised();

@@ -2,11 +2,11 @@
 
 use super::error::StudyError;
 use super::plan::{Case, Plan};
+use super::process::Program;
 use super::slurm::SlurmKeys;
 use crate::run::{Backend, Signal};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::path::Path;
 
 /// What is to be run, and how.
 pub struct Work<'a> {
@@ -19,7 +19,7 @@ pub struct Work<'a> {
     /// How the cases reach SUMO.
     pub backend: Backend,
     /// The program, which runs a case with `run --from`.
-    pub program: &'a Path,
+    pub program: &'a Program,
     /// The arguments with which the program writes the tables.
     pub tables: &'a [OsString],
     /// Finished cases are run again.

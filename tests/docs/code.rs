@@ -208,8 +208,13 @@ fn law_every_scenario_and_study_is_loaded() {
 /// Rust and Python are parts of examples that other tests build and run.
 #[test]
 fn law_code_stands_in_an_example() {
-    let examples =
-        ["examples/external/own_law/src/main.rs", "examples/session.rs", "examples/clients/second_client.py"];
+    let examples = [
+        "examples/external/own_law/src/main.rs",
+        "examples/session.rs",
+        "examples/clients/second_client.py",
+        "examples/python/first.py",
+        "examples/python/tour.py",
+    ];
     let examples: String = examples.iter().map(|path| fs::read_to_string(repository(path)).unwrap()).collect();
     let code = ["rust", "python"].into_iter().flat_map(blocks);
     let wrong = code.filter(|block| !examples.contains(&block.found.text));

@@ -174,7 +174,7 @@ impl<'a> Desk<'a> {
         let folder = log.parent().map(|folder| folder.display().to_string().replace('%', "%%")).unwrap_or_default();
         let name = log.file_name().unwrap_or_default().to_string_lossy();
         arguments.extend([format!("--output={folder}/{name}"), "--open-mode=append".to_owned()]);
-        let mut words = vec![work.program.display().to_string()];
+        let mut words: Vec<String> = work.program.words().collect();
         if tables {
             words.extend(work.tables.iter().map(|word| word.to_string_lossy().into_owned()));
         } else {

@@ -3,7 +3,7 @@
 use super::super::case::{LINGER, State, note_failure, prepare};
 use super::super::error::StudyError;
 use super::super::plan::case_dir;
-use super::super::process;
+use super::super::process::{self, Program};
 use super::submission::{Submission, remove_file, ticket};
 use crate::run::{Backend, Manifest, RunError, Signal};
 use std::path::Path;
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 ///
 /// # Errors
 /// [`StudyError`] if the files of the study are not there, or somebody else runs the case. The ticket stays.
-pub fn run_task(intent: &Path, name: &str, index: usize, program: &Path) -> Result<Vec<String>, StudyError> {
+pub fn run_task(intent: &Path, name: &str, index: usize, program: &Program) -> Result<Vec<String>, StudyError> {
     let intent = std::path::absolute(intent)?;
     let submission = Submission::read(&intent)?;
     if submission.name != name {
@@ -41,7 +41,7 @@ pub fn run_task(intent: &Path, name: &str, index: usize, program: &Path) -> Resu
     Ok(failed)
 }
 
-fn run_case(dir: &Path, planned: &Manifest, sumo: (&Path, Backend), program: &Path) -> Result<(), StudyError> {
+fn run_case(dir: &Path, planned: &Manifest, sumo: (&Path, Backend), program: &Program) -> Result<(), StudyError> {
     let deadline = Instant::now() + LINGER;
     while let Err(error) = prepare(dir, planned) {
         if !matches!(error, RunError::Busy { .. }) || Instant::now() > deadline {

@@ -1,0 +1,37 @@
+//! The command line, and what of it needs no run.
+
+use crate::error::raised;
+use pyo3::prelude::*;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use sumo_mfc::cli::{Call, main_of};
+use sumo_mfc::report::{Request, report as write};
+use sumo_mfc::scenario::Catalog;
+use sumo_mfc::study::Program;
+
+/// Does what `sumo-mfc ARGUMENTS` does, and returns the exit code. `program` are the words that start this program again,
+/// for the cases of studies. Takes the process's signals for itself.
+#[pyfunction]
+pub fn main(py: Python<'_>, arguments: Vec<OsString>, program: Vec<OsString>) -> u8 {
+    let mut words = program.into_iter();
+    let program = words.next().map(|file| Program::new(PathBuf::from(file), words.collect()));
+    py.detach(|| main_of(&Call { program, arguments, catalog: &Catalog::installed() }))
+}
+
+/// What scenarios can choose from: (kind, name, summary), as `sumo-mfc list`.
+#[pyfunction]
+pub fn choices() -> Vec<(&'static str, &'static str, &'static str)> {
+    let registries = Catalog::installed().registries();
+    let of_kind = |(kind, entries): (_, Vec<sumo_mfc::registry::Entry<()>>)| {
+        entries.into_iter().map(move |entry| (kind, entry.name, entry.summary))
+    };
+    registries.into_iter().flat_map(of_kind).collect()
+}
+
+/// Writes the page of one result folder, or of two side by side, and returns its path.
+#[pyfunction]
+#[pyo3(signature = (dirs, out=None, vehicle=None))]
+pub fn report(py: Python<'_>, dirs: Vec<PathBuf>, out: Option<PathBuf>, vehicle: Option<String>) -> PyResult<PathBuf> {
+    let request = Request { dirs, out, vehicle };
+    py.detach(|| write(&request)).map(|written| written.page).map_err(raised)
+}
