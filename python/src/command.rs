@@ -1,12 +1,12 @@
 //! The command line, and what of it needs no run.
 
+use crate::controller::catalog;
 use crate::error::raised;
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use sumo_mfc::cli::{Call, main_of};
 use sumo_mfc::report::{Request, report as write};
-use sumo_mfc::scenario::Catalog;
 use sumo_mfc::study::Program;
 
 /// Does what `sumo-mfc ARGUMENTS` does, and returns the exit code. `program` are the words that start this program again,
@@ -15,13 +15,13 @@ use sumo_mfc::study::Program;
 pub fn main(py: Python<'_>, arguments: Vec<OsString>, program: Vec<OsString>) -> u8 {
     let mut words = program.into_iter();
     let program = words.next().map(|file| Program::new(PathBuf::from(file), words.collect()));
-    py.detach(|| main_of(&Call { program, arguments, catalog: &Catalog::installed() }))
+    py.detach(|| main_of(&Call { program, arguments, catalog: &catalog() }))
 }
 
 /// What scenarios can choose from: (kind, name, summary), as `sumo-mfc list`.
 #[pyfunction]
 pub fn choices() -> Vec<(&'static str, &'static str, &'static str)> {
-    let registries = Catalog::installed().registries();
+    let registries = catalog().registries();
     let of_kind = |(kind, entries): (_, Vec<sumo_mfc::registry::Entry<()>>)| {
         entries.into_iter().map(move |entry| (kind, entry.name, entry.summary))
     };

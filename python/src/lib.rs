@@ -1,6 +1,7 @@
 //! `sumo_mfc._core`: what of the Python package is Rust. Its Python side, in `sumo_mfc/`, has the names that users see.
 
 mod command;
+mod controller;
 mod error;
 mod offline;
 mod parts;
@@ -15,6 +16,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use super::command::{choices, main, report};
+    #[pymodule_export]
+    use super::controller::register;
     #[pymodule_export]
     use super::error::Error;
     #[pymodule_export]

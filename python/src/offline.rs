@@ -1,12 +1,12 @@
 //! One vehicle on one profile, without SUMO.
 
+use crate::controller::catalog;
 use crate::error::{plain, raised};
 use crate::table::Table;
 use pyo3::prelude::*;
 use std::collections::HashMap;
 use sumo_mfc::offline::{Drive, Moment};
 use sumo_mfc::reference::{Axis, Profile};
-use sumo_mfc::scenario::Catalog;
 use toml_edit::Value;
 
 /// Drives. `keys` are keys of the scenario with their values as TOML; `profile` is how it goes on, with places (m) or times
@@ -23,7 +23,7 @@ pub fn drive(
     seconds: Option<f64>,
     metres: Option<f64>,
 ) -> PyResult<(Table, HashMap<&'static str, Option<f64>>, bool)> {
-    let mut drive = Drive::new(&Catalog::installed());
+    let mut drive = Drive::new(&catalog());
     for (key, text) in keys {
         let value = text.parse::<Value>().map_err(|_| plain(format!("{key}: found {text}, wanted a value of TOML")))?;
         drive = drive.set(&key, value);

@@ -1,5 +1,6 @@
 //! Parts of the model on their own: the body, a tyre, the estimator.
 
+use crate::controller::catalog;
 use crate::error::{plain, raised};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -9,7 +10,7 @@ use sumo_mfc::offline::{End, Road};
 use sumo_mfc::plant::tyre::{Tyre, identify};
 use sumo_mfc::plant::{Inputs, Plant as Model, PlantBlock, State};
 use sumo_mfc::reference::{Axis, Profile};
-use sumo_mfc::scenario::{Catalog, Override, Request, Scenario};
+use sumo_mfc::scenario::{Override, Request, Scenario};
 
 /// The body of one vehicle and its plant.
 #[pyclass(module = "sumo_mfc._core")]
@@ -39,7 +40,7 @@ impl Plant {
         }
         let overrides = keys.iter().map(|(key, value)| Override::literal(&format!("{key} ="), key, value)).collect();
         let scenario =
-            Scenario::load_offline(&Request { scenario: None, overrides }, &Catalog::installed()).map_err(raised)?;
+            Scenario::load_offline(&Request { scenario: None, overrides }, &catalog()).map_err(raised)?;
         let level = Profile::step(Axis::Time, &[0.0], &[speed_mps]).map_err(plain)?;
         let road = Road::with_profile(&scenario, level.into()).map_err(raised)?;
         let body = road.trip(0, speed_mps, End::Time(0.0)).map_err(raised)?.vehicle.body;

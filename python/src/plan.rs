@@ -1,5 +1,6 @@
 //! A run in this process, from arguments to its result folder.
 
+use crate::controller::catalog;
 use crate::error::{plain, raised};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
@@ -9,7 +10,6 @@ use std::time::{Duration, Instant};
 use sumo_mfc::cli::Planned;
 use sumo_mfc::report;
 use sumo_mfc::run::{Remote, RunResult, Signal, run_remote, terminal_text};
-use sumo_mfc::scenario::Catalog;
 
 /// Time between two looks at signals, and two calls of the watcher.
 const LOOK: Duration = Duration::from_millis(10);
@@ -26,7 +26,7 @@ pub struct Plan {
 impl Plan {
     #[new]
     fn new(arguments: Vec<OsString>) -> PyResult<Self> {
-        Planned::parse(&arguments, &Catalog::installed()).map(|planned| Self { planned }).map_err(raised)
+        Planned::parse(&arguments, &catalog()).map(|planned| Self { planned }).map_err(raised)
     }
 
     /// The resolved scenario, in SI units, as TOML.

@@ -5,6 +5,7 @@
 of every value; speeds are m/s, torques N·m (sum over the wheels), angles radians unless it says otherwise.
 """
 
+from ._controllers import Controller, Observation, register
 from ._core import Error, Table, __version__, choices
 from ._offline import Body, Drive, drive, identify_tyre, tyre_force, ultra_local_f
 from ._results import Folder, Paper, Result, Study, open_result
@@ -13,9 +14,11 @@ from ._simulation import Simulation
 
 __all__ = [
     "Body",
+    "Controller",
     "Drive",
     "Error",
     "Folder",
+    "Observation",
     "Paper",
     "Result",
     "Simulation",
@@ -29,6 +32,7 @@ __all__ = [
     "identify_tyre",
     "open_result",
     "paper",
+    "register",
     "report",
     "run",
     "sweep",

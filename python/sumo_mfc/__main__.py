@@ -1,17 +1,27 @@
-"""The command ``sumo-mfc``, also as ``python -m sumo_mfc``."""
+"""The command ``sumo-mfc``, also as ``python -m sumo_mfc``; ``--load FILE`` in front of its arguments loads controllers."""
 
 import signal
 import sys
 
-from . import _core, _sumo
+from . import _controllers, _core, _sumo
 
 
 def main() -> int:
     """Does what the command line asks for, and returns the exit code."""
+    words, files = sys.argv[1:], []
+    while words[:1] == ["--load"] and len(words) > 1:
+        files.append(words[1])
+        words = words[2:]
+    try:
+        for file in files:
+            _controllers.load(file)
+    except _core.Error as error:
+        print(f"Error: {error}", file=sys.stderr)
+        return 1
     # The command looks after signals itself; Python would answer Ctrl-C a second time.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     _sumo.find()
-    return _core.main(sys.argv[1:], _sumo.COMMAND)
+    return _core.main(words, _sumo.command(files))
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from . import _core, _sumo
+from . import _controllers, _core, _sumo
 from ._arguments import arguments
 from ._core import Error, Plan
 from ._progress import Bar
@@ -43,6 +43,7 @@ def run(
 
     Raises ``Error`` with what the command line would say.
     """
+    _controllers.files(())
     _sumo.find()
     folder, keep = place(out)
     plan = Plan(arguments(scenario, {**options, "out": folder}))
@@ -132,7 +133,7 @@ def call(words: Sequence[str], quiet: bool) -> str:
     _sumo.find()
     told: list[str] = []
     with subprocess.Popen(
-        [*_sumo.COMMAND, *words],
+        [*_sumo.command(_controllers.files(words)), *words],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

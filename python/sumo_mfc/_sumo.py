@@ -3,9 +3,13 @@
 import importlib.util
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
-COMMAND = [sys.executable, "-m", "sumo_mfc"]
+
+def command(files: Iterable[str] = ()) -> list[str]:
+    """The words that start this package as a program, with the controllers of these files."""
+    return [sys.executable, "-m", "sumo_mfc"] + [word for file in files for word in ("--load", file)]
 
 
 def find() -> None:

@@ -212,6 +212,7 @@ fn law_code_stands_in_an_example() {
         "examples/external/own_law/src/main.rs",
         "examples/session.rs",
         "examples/clients/second_client.py",
+        "examples/python/controller.py",
         "examples/python/first.py",
         "examples/python/tour.py",
     ];
