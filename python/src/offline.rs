@@ -9,10 +9,11 @@ use sumo_mfc::offline::{Drive, Moment};
 use sumo_mfc::reference::{Axis, Profile};
 use toml_edit::Value;
 
+/// The end of every control period, the statistics, and whether the end was reached.
+type Driven = (Table, HashMap<&'static str, Option<f64>>, bool);
+
 /// Drives. `keys` are keys of the scenario with their values as TOML; `profile` is how it goes on, with places (m) or times
 /// (s) and speeds (m/s), in place of the profile of the keys.
-///
-/// Returns the end of every control period, the statistics, and whether the end was reached.
 #[pyfunction]
 #[pyo3(signature = (keys, profile=None, start_mps=None, seconds=None, metres=None))]
 pub fn drive(
@@ -22,7 +23,7 @@ pub fn drive(
     start_mps: Option<f64>,
     seconds: Option<f64>,
     metres: Option<f64>,
-) -> PyResult<(Table, HashMap<&'static str, Option<f64>>, bool)> {
+) -> PyResult<Driven> {
     let mut drive = Drive::new(&catalog());
     for (key, text) in keys {
         let value = text.parse::<Value>().map_err(|_| plain(format!("{key}: found {text}, wanted a value of TOML")))?;
@@ -54,7 +55,7 @@ pub fn drive(
         ("error_max_abs", stats.error_max_abs),
         ("overshoot_max", stats.overshoot_max),
     ];
-    Ok((series(&driven.series)?, statistics.into_iter().map(|(k, v)| (k, v.into())).collect(), driven.finished))
+    Ok((series(&driven.series)?, HashMap::from(statistics), driven.finished))
 }
 
 fn series(moments: &[Moment]) -> PyResult<Table> {

@@ -1,5 +1,5 @@
-//! Tables in Arrow's memory layout, handed to other libraries without a copy through the PyCapsule interface:
-//! <https://arrow.apache.org/docs/format/CDataInterface/PyCapsuleInterface.html>.
+//! Tables in Arrow's memory layout, handed to other libraries without a copy through the PyCapsule interface
+//! (Arrow's documentation, "The Arrow PyCapsule Interface").
 
 use crate::error::plain;
 use arrow_array::builder::{BooleanBuilder, Float64Builder, Int64Builder, StringBuilder};

@@ -67,6 +67,14 @@ def test_law_a_body_obeys_newton() -> None:
     assert torque / body.torque_per_acceleration == pytest.approx(acceleration, rel=0.05)
 
 
+def test_bodies_lie_anywhere_in_memory() -> None:
+    bodies, others = [], []
+    for size in range(200):
+        others.append(bytearray(16 * size))
+        bodies.append(sumo_mfc.Body(speed=10.0))
+    assert len({body.step(500.0) for body in bodies}) == 1
+
+
 def test_a_steered_body_turns_to_the_left() -> None:
     left, right = sumo_mfc.Body(speed=15.0), sumo_mfc.Body(speed=15.0)
     for _ in range(100):

@@ -214,7 +214,10 @@ def interrupted(script: str, ready: Path, *arguments: object) -> subprocess.Comp
             time.sleep(0.05)
         time.sleep(2)  # SUMO loads within it, and the run goes on for longer.
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
+        try:
+            out, err = process.communicate(timeout=30)
+        finally:
+            process.kill()
     return subprocess.CompletedProcess(words, process.returncode, out, err)
 
 
