@@ -1,7 +1,7 @@
 //! Speed controllers written in Python: classes that command all vehicles of a group in one call.
 
 use crate::error::plain;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -39,7 +39,8 @@ pub fn register(name: &str, summary: &str, keys: Vec<(String, f64, String)>, mak
         help: keep(help),
     };
     let keys: Vec<Key> = keys.into_iter().map(key).collect();
-    let entry = Entry { name: keep(name.to_owned()), summary: keep(summary.to_owned()), keys: Box::leak(keys.into()), build };
+    let entry =
+        Entry { name: keep(name.to_owned()), summary: keep(summary.to_owned()), keys: Box::leak(keys.into()), build };
     Catalog::installed().with_controller(entry.clone()).map_err(plain)?;
     registered.retain(|other| other.name != entry.name);
     registered.push(entry);

@@ -39,8 +39,7 @@ impl Plant {
             return Err(plain(format!("speed: found {speed_mps}, wanted m/s from 0 on")));
         }
         let overrides = keys.iter().map(|(key, value)| Override::literal(&format!("{key} ="), key, value)).collect();
-        let scenario =
-            Scenario::load_offline(&Request { scenario: None, overrides }, &catalog()).map_err(raised)?;
+        let scenario = Scenario::load_offline(&Request { scenario: None, overrides }, &catalog()).map_err(raised)?;
         let level = Profile::step(Axis::Time, &[0.0], &[speed_mps]).map_err(plain)?;
         let road = Road::with_profile(&scenario, level.into()).map_err(raised)?;
         let body = road.trip(0, speed_mps, End::Time(0.0)).map_err(raised)?.vehicle.body;
