@@ -128,6 +128,13 @@ def register(controller: C) -> C:
     Studies start each case in a process of its own, which loads the file that the class stands in. A name that Python has
     registered before is registered anew.
     """
+    make_known(controller)
+    _files[controller.name] = getattr(sys.modules.get(controller.__module__), "__file__", None)
+    return controller
+
+
+def make_known(controller: type[Controller]) -> None:
+    """Registers a controller for runs in this process."""
     name = controller.name
     if not name:
         raise Error(f'{controller.__name__}: found no name, wanted a class attribute such as name = "my_pi"')
@@ -142,8 +149,6 @@ def register(controller: C) -> C:
         return _Caller(made, period)
 
     _core.register(name, summary, keys, make)
-    _files[name] = getattr(sys.modules.get(controller.__module__), "__file__", None)
-    return controller
 
 
 def load(file: str | os.PathLike[str]) -> None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import queue
+import re
 import threading
 from collections import deque
 from typing import Any
@@ -17,7 +18,7 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._controllers import Controller, Observation, register
+from ._controllers import Controller, Observation, make_known
 from ._offline import Body
 from ._runs import run
 
@@ -141,14 +142,13 @@ class Traffic(gymnasium.Env[Seen, Action]):
     def __init__(self, scenario: str, ego: str, *, decide: float = 0.1, **options: Any) -> None:
         self.observation_space, self.action_space = _SPACE, _ACTION
         self._scenario, self._decide = scenario, decide
-        self._options = {"egos": f"ids:{ego}", "no_report": True, "quiet": True, **options}
-        self._ego = ego
+        self._options = {"egos": f"id:^{re.escape(ego)}$", "no_report": True, "quiet": True, **options}
+        self._ego, self._name = ego, f"gym_agent_{next(_numbers)}"
         self._thread: threading.Thread | None = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Seen, dict[str, Any]]:
         super().reset(seed=seed)
         self.close()
-        name = f"gym_agent_{next(_numbers)}"
         self._seen: queue.Queue[tuple[Seen, float] | BaseException | None] = queue.Queue()
         self._actions: queue.Queue[float | None] = queue.Queue()
         env = self
@@ -162,20 +162,20 @@ class Traffic(gymnasium.Env[Seen, Action]):
             def command(self, obs: Observation) -> NDArray[np.float64]:
                 return env._command(self, obs)
 
-        Agent.name = name
-        register(Agent)
+        Agent.name = self._name
+        make_known(Agent)
         sumo_seed = int(self.np_random.integers(1, 2**31 - 1))
-        self._thread = threading.Thread(target=self._run, args=(name, sumo_seed), daemon=True)
+        self._thread = threading.Thread(target=self._run, args=(sumo_seed,), daemon=True)
         self._thread.start()
         first = self._next()
         if first is None:
             raise _core.Error(f"{self._scenario}: the vehicle {self._ego!r} never drove")
-        self._last = 0.0
+        self._last, self._shown = 0.0, first[0]
         return first[0], {}
 
-    def _run(self, controller: str, seed: int) -> None:
+    def _run(self, seed: int) -> None:
         try:
-            run(self._scenario, controller=controller, seed=seed, **self._options)
+            run(self._scenario, controller=self._name, seed=seed, **self._options)
             self._seen.put(None)
         except BaseException as error:  # handed to the thread of the agent
             self._seen.put(error)
@@ -206,7 +206,6 @@ class Traffic(gymnasium.Env[Seen, Action]):
         if isinstance(seen, BaseException):
             self._thread = None
             raise seen
-        self._shown = seen[0] if seen is not None else getattr(self, "_shown", None)
         return seen
 
     def step(self, action: Action) -> tuple[Seen, float, bool, bool, dict[str, Any]]:
@@ -216,6 +215,7 @@ class Traffic(gymnasium.Env[Seen, Action]):
         change, self._last = accel - self._last, accel
         if seen is None:
             return self._shown, _reward(0.0, change), True, False, {}
+        self._shown = seen[0]
         return seen[0], _reward(seen[1], change), False, False, {}
 
     def close(self) -> None:
@@ -226,5 +226,5 @@ class Traffic(gymnasium.Env[Seen, Action]):
             thread.join()
 
 
-gymnasium.register(id="sumo_mfc/Track-v0", entry_point=Track)
-gymnasium.register(id="sumo_mfc/Traffic-v0", entry_point=Traffic)
+gymnasium.register(id="sumo_mfc/Track-v0", entry_point="sumo_mfc.gym:Track")
+gymnasium.register(id="sumo_mfc/Traffic-v0", entry_point="sumo_mfc.gym:Traffic")
