@@ -34,6 +34,7 @@ fn search_for_one_preset_that_matches_the_most() {
         let mut one = |i: usize| match (round, explore) {
             (0, _) => Choice::KNOWN[i % Choice::KNOWN.len()],
             (_, true) => Choice::random(&mut random),
+            _ if best.is_empty() => Choice::random(&mut random),
             _ => best[(random.uniform() * best.len().min(6) as f64) as usize].1.near(&mut random),
         };
         let batch: Vec<Choice> = (0..16).map(|i| if literal { one(i).to_the_letter() } else { one(i) }).collect();
@@ -79,11 +80,10 @@ impl Choice {
         recompute: true,
     };
 
-    /// `delay_d`, with a rate of the reference and without; a set that was found for a brisk human lap; `delay_a` and `default`.
-    const KNOWN: [Self; 5] = [
+    /// `delay_d`, with a rate of the reference and without; `delay_a` and `default`.
+    const KNOWN: [Self; 4] = [
         Self { values: [0.01125, 16.74, 3.09, 7.47, 0.05, 0.1, 0.2], rate: true, ..Self::VARIANT },
         Self { values: [0.01125, 16.74, 3.09, 7.47, 0.05, 0.1, 0.2], ..Self::VARIANT },
-        Self { values: [0.008914, 23.449, 3.1309, 4.9462, 0.0596, 0.147, 0.17442], ..Self::VARIANT },
         Self {
             values: [0.0136, 15.66, 3.208, 9.18, 0.01, 0.01, 0.2],
             window_alpha: "updated",
