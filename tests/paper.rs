@@ -178,12 +178,14 @@ fn val_the_words_on_the_sinusoid_are_judged_by_its_numbers() {
             .map(|test| ["error_rms_converged", "settling_1", "overshoot_1"].map(|quantity| of(test, quantity)))
     };
     let [[rms, settling, overshoot], _] = judged("best");
-    assert_eq!((rms.1, settling.1), (Verdict::Reproduced, Verdict::Reproduced));
-    assert!((rms.0[1] / rms.0[0] - 1.0).abs() < 0.1 && settling.0[1] < 0.9 * settling.0[0], "{rms:?} {settling:?}");
+    assert_eq!((rms.1, settling.1), (Verdict::Partly, Verdict::Reproduced));
+    // From where each has converged; the launch from rest would make any two laws alike.
+    assert!((1.1..1.25).contains(&(rms.0[0] / rms.0[1])) && rms.0[0] < 0.2, "{rms:?}");
+    assert!(settling.0[1] < 0.9 * settling.0[0], "{settling:?}");
     assert_eq!(overshoot.1, Verdict::Partly, "{overshoot:?}");
     assert!(overshoot.0[1] <= 0.5 * overshoot.0[0] && overshoot.0[1] > 2.0, "{overshoot:?}");
     let [_, [rms, settling, overshoot]] = judged("default");
-    assert_eq!((rms.1, settling.1, overshoot.1), (Verdict::Reproduced, Verdict::NotReproduced, Verdict::NotReproduced));
+    assert_eq!([rms.1, settling.1, overshoot.1], [Verdict::NotReproduced; 3]);
     assert!(overshoot.0[1] > overshoot.0[0], "the short one is where adaptation harms: {overshoot:?}");
 }
 
@@ -288,6 +290,26 @@ fn the_papers_numbers_are_counted_once_per_recording() {
     let table = table.split("</table>").next().unwrap();
     assert_eq!(table.matches("<tr").count(), 1 + 14 + 3, "a head, the numbers, the counts");
     assert!(table.contains(&format!("{} + {} of 14", numbers.reproduced, numbers.partly)));
+}
+
+/// All fourteen numbers hold for one preset on the lap that it was found on, and twelve on a lap that the search never saw: the two
+/// that are left say how far the classic law is off on it.
+#[test]
+fn val_the_best_preset_meets_the_papers_numbers() {
+    let dir = folder();
+    let best = |out: &str, test: &str, driver: Option<PathBuf>| {
+        let preset = Some("best".to_owned());
+        run(&Request { preset, driver, ..request(test, &dir.path().join(out)) }).unwrap()
+    };
+    let steps = best("step", "step", None).tally("best", "").numbers;
+    assert_eq!([steps.reproduced, steps.all()], [6, 6]);
+    let on_the_road = |driver: Option<PathBuf>| {
+        let tallies = ["driver", "delay"].map(|test| best(test, test, driver.clone()).tally("best", "").numbers);
+        [tallies[0].reproduced + tallies[1].reproduced, tallies[0].all() + tallies[1].all()]
+    };
+    assert_eq!(on_the_road(None), [8, 8]);
+    let (other, _) = paper::record(&dir.path().join("lap"), 4).unwrap();
+    assert_eq!(on_the_road(Some(other)), [6, 8]);
 }
 
 /// The lap that is shipped is what the command makes; other seeds make other laps.
@@ -588,5 +610,5 @@ fn disturbances_act() {
     for suffix in ["_mass_plus_50", "_grade_plus_5"] {
         assert!(is_there(&results, suffix) && !is_there(&weak, suffix), "{suffix}");
     }
-    assert!(is_there(&weak, "") && is_there(&weak, "_grade_minus_5"));
+    assert!(is_there(&weak, "") && is_there(&weak, "_stiffness_plus_30"));
 }

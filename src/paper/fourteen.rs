@@ -13,6 +13,11 @@ const WHAT: &str = "All numbers that the paper prints about its results. Ten of 
      below. Steps are driven on no recording and are the same in every column. A claim in words is judged in one or several quantities, and came out \
      if it did in all of them.";
 
+/// What is counted, in words, and where it is found.
+type Counted = (&'static str, fn(&Tally) -> Count);
+const COUNTS: [Counted; 3] =
+    [("numbers", |tally| tally.numbers), ("facts", |tally| tally.facts), ("claims in words", |tally| tally.claims)];
+
 /// The section; none if no number was driven.
 pub fn section(layout: &Layout) -> Option<Section> {
     let recordings = layout.results.recordings();
@@ -22,9 +27,7 @@ pub fn section(layout: &Layout) -> Option<Section> {
     if rows.is_empty() {
         return None;
     }
-    let counts: [(&str, fn(&Tally) -> Count); 3] =
-        [("numbers", |tally| tally.numbers), ("facts", |tally| tally.facts), ("claims in words", |tally| tally.claims)];
-    for (what, of) in counts {
+    for (what, of) in COUNTS {
         let label = format!("{what} reproduced, and partly");
         let first = [Cell::words(label), Cell::default(), Cell::default(), Cell::default()];
         rows.push(first.into_iter().chain(tallies.iter().map(|tally| counted(of(tally)))).collect());

@@ -57,7 +57,7 @@ impl Results {
             let value = row.value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}"));
             let _ = writeln!(
                 text,
-                "{:<14}{:<10}{:<10}{:<13}{value:>8} {:<4}published {:>6}  {verdict}",
+                "{:<20}{:<10}{:<10}{:<13}{value:>8} {:<4}published {:>6}  {verdict}",
                 row.test,
                 row.preset,
                 row.controller,
