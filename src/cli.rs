@@ -42,7 +42,8 @@ use tuning::TuneArgs;
 use crate::{
     doctor, map,
     output::{FORMS, Form, write_table},
-    paper, report,
+    paper::{self, demand},
+    report,
     run::{self, RunError, RunResult, terminal_text},
     scenario::{Catalog, Scenario, schema, template},
     stability as margins, tune,
@@ -198,7 +199,10 @@ fn line(name: &str, text: &impl std::fmt::Display) -> String {
 
 fn paper_tests(args: PaperArgs) -> miette::Result<u8> {
     let sets = args.overrides();
-    let PaperArgs { test, out, coarse, preset, driver, export, quiet, .. } = args;
+    let PaperArgs { test, out, coarse, preset, driver, export, quiet, seed, .. } = args;
+    if test == "record" {
+        return recorded(&out, seed, export.export, quiet);
+    }
     if test == "map" && export.export.is_some() {
         miette::bail!("--export: found the test map, which has no table of published numbers; its own are in map.csv");
     }
@@ -210,6 +214,15 @@ fn paper_tests(args: PaperArgs) -> miette::Result<u8> {
         Some(form) => print(&tables::reproduced(&results, form)),
         None if quiet => Ok(SUCCESS),
         None => print(&format!("{}{}\n", results.table(), page.display())),
+    }
+}
+
+fn recorded(dir: &Path, seed: u64, form: Option<Form>, quiet: bool) -> miette::Result<u8> {
+    let (file, demands) = paper::record(dir, seed)?;
+    match form {
+        Some(form) => print(&form.text(&demand::layout(), &demands)),
+        None if quiet => Ok(SUCCESS),
+        None => print(&format!("{}{}\n", demand::lines(&demands), file.display())),
     }
 }
 

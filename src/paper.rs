@@ -4,10 +4,14 @@
 //! choice of all that; every test runs under every preset, so that nothing is picked test by test. The vehicles drive in
 //! the fleet that `run` uses ([`crate::offline`]). One file per test; [`TESTS`] lists them.
 
+mod circuit;
 mod claims;
+pub mod demand;
 mod disturb;
 mod driver;
 mod error;
+mod fourteen;
+pub mod human;
 mod lab;
 pub mod law;
 mod layout;
@@ -22,25 +26,30 @@ pub mod row;
 mod series;
 mod sine;
 pub mod step;
+pub mod tally;
 mod verdict;
 
+use crate::output::write_table;
 use crate::registry::{Entry, find};
 use crate::scenario::Override;
+pub use demand::Demand;
 pub use error::{PaperError, write};
 pub use lab::{CONTROLLERS, Finding, Lab, SEEDS, every_law};
 use library::{Library, Preset};
 use results::Results;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 pub use verdict::Verdict;
 
 /// What the command leaves in its folder: name, meaning, when.
-pub const FILES: [[&str; 3]; 6] = [
+pub const FILES: [[&str; 3]; 8] = [
     ["index.html", "The figures and tables of the paper beside ours, with a verdict for every number", "always"],
     ["results.csv", "Every number: test, preset, controller, ours, the paper's, verdict", "always"],
+    ["counts.csv", "How many of the paper's numbers, facts and claims came out, by preset and recording", "always"],
     ["figures/", "The figures of the page, as SVG", "always"],
     ["series/", "The curves of the figures, as CSV", "always"],
     ["scenarios/", "The scenarios of the tests, to be changed", "unless the working directory has `scenarios/paper`"],
+    ["lap.csv", "The lap that was recorded, and nothing else of this", "with `record`"],
     ["map_summary.csv", "How the laws do beside each other over the map", "with `map`"],
 ];
 
@@ -97,7 +106,7 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
     let tests: Vec<&Entry<Run>> = match request.test.as_str() {
         "all" => TESTS.iter().collect(),
         "map" => Vec::new(),
-        name => vec![find("test", TESTS, name).map_err(|unknown| unknown.or_known(&["map", "all"]))?],
+        name => vec![find("test", TESTS, name).map_err(|unknown| unknown.or_known(&["map", "record", "all"]))?],
     };
     if let Some(own) = &request.driver {
         // Before anything is written.
@@ -155,6 +164,17 @@ fn all(lab: &Lab, tests: &[&Entry<Run>], presets: &[&Preset]) -> Result<Vec<Find
     found.into_iter().map(|f| f.into_inner().expect("every job ran")).collect()
 }
 
+/// Records the lap of a seed as `lap.csv` in the folder. Returns the file and what the lap asks for, beside other recordings.
+///
+/// # Errors
+/// [`PaperError::File`] if it cannot be written.
+pub fn record(dir: &Path, seed: u64) -> Result<(PathBuf, Vec<Demand>), PaperError> {
+    let (file, samples) = (dir.join("lap.csv"), human::lap(seed));
+    write(&file, &demand::to_csv(&samples))?;
+    let mine = demand::of_lap(&format!("lap of seed {seed}"), &samples);
+    Ok((file, std::iter::once(mine).chain(demand::all()).collect()))
+}
+
 fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) -> Result<Results, PaperError> {
     let dir = &request.out_dir;
     for series in &whole.series {
@@ -168,6 +188,7 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
     }
     let results = Results { rows: whole.rows.clone(), text: whole.text.clone() };
     write(&dir.join("results.csv"), &results.to_csv())?;
+    write_table(&dir.join("counts.csv"), &tally::layout(), &results.counts())?;
     let page = page::page(&request.test, lab, presets, &results, &whole)?;
     write(&dir.join("index.html"), &page)?;
     Ok(results)

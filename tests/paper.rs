@@ -120,7 +120,7 @@ fn every_recording_and_every_preset_is_driven_with_noise_and_without() {
     };
     let best = Request { preset: Some("best".to_owned()), ..request("driver", dir.path()) };
     let results = run(&best).unwrap();
-    for route in ["driver", "driver_path", "driver_udds", "driver_hwfet"] {
+    for route in ["driver", "driver_path", "driver_racing", "driver_racing_path", "driver_udds", "driver_hwfet"] {
         complete(&results, route, "best");
     }
     let file = dir.path().join("short.csv");
@@ -174,15 +174,18 @@ fn val_the_words_on_the_sinusoid_are_judged_by_its_numbers() {
             let rows = ["classic", "adaptive"].map(|c| results.get(test, preset, false, c, quantity).unwrap());
             (rows.map(|r| r.value.unwrap_or(f64::INFINITY)), results.verdict(rows[1]).unwrap())
         };
-        ["sine", "sine_200m"].map(|test| ["error_rms", "settling_1", "overshoot_1"].map(|quantity| of(test, quantity)))
+        ["sine", "sine_200m"]
+            .map(|test| ["error_rms_converged", "settling_1", "overshoot_1"].map(|quantity| of(test, quantity)))
     };
     let [[rms, settling, overshoot], _] = judged("best");
-    assert_eq!((rms.1, settling.1), (Verdict::Reproduced, Verdict::Reproduced));
-    assert!((rms.0[1] / rms.0[0] - 1.0).abs() < 0.1 && settling.0[1] < 0.9 * settling.0[0], "{rms:?} {settling:?}");
+    assert_eq!((rms.1, settling.1), (Verdict::Partly, Verdict::Reproduced));
+    // From where each has converged; the launch from rest would make any two laws alike.
+    assert!((1.1..1.25).contains(&(rms.0[0] / rms.0[1])) && rms.0[0] < 0.2, "{rms:?}");
+    assert!(settling.0[1] < 0.9 * settling.0[0], "{settling:?}");
     assert_eq!(overshoot.1, Verdict::Partly, "{overshoot:?}");
     assert!(overshoot.0[1] <= 0.5 * overshoot.0[0] && overshoot.0[1] > 2.0, "{overshoot:?}");
     let [_, [rms, settling, overshoot]] = judged("default");
-    assert_eq!((rms.1, settling.1, overshoot.1), (Verdict::Reproduced, Verdict::NotReproduced, Verdict::NotReproduced));
+    assert_eq!([rms.1, settling.1, overshoot.1], [Verdict::NotReproduced; 3]);
     assert!(overshoot.0[1] > overshoot.0[0], "the short one is where adaptation harms: {overshoot:?}");
 }
 
@@ -207,8 +210,9 @@ fn claims_in_words_are_judged_by_their_criteria() {
         ("step", "alpha_nominal_share", Some(1.0), Some(0.51), Reproduced),
         ("step", "alpha_nominal_share", Some(1.0), Some(0.45), Partly),
         ("step", "alpha_nominal_share", Some(1.0), Some(0.3), NotReproduced),
-        ("sine", "error_rms", Some(1.0), Some(0.8), Partly),
-        ("sine", "error_rms", Some(1.0), Some(1.4), NotReproduced),
+        ("sine", "error_rms_converged", Some(1.0), Some(0.8), Partly),
+        ("sine", "error_rms_converged", Some(1.0), Some(1.4), NotReproduced),
+        ("sine", "error_rms_converged", Some(1.0), None, NotReproduced),
         ("sine", "settling_1", None, Some(90.0), Reproduced),
         ("sine", "settling_1", Some(90.0), None, NotReproduced),
         ("sine", "overshoot_1", Some(3.0), Some(1.9), Reproduced),
@@ -218,14 +222,112 @@ fn claims_in_words_are_judged_by_their_criteria() {
         let rows = vec![row(test, "classic", quantity, classic), row(test, "adaptive", quantity, adaptive)];
         let results = Results { rows, ..Results::default() };
         assert_eq!(results.verdict(&results.rows[1]), Some(wanted), "{test} {quantity} {classic:?} {adaptive:?}");
-        let [numbers, words] = results.counts("p");
-        assert_eq!(numbers.all(), 0, "no number is published");
-        assert!(words.all() >= 1 && (wanted != Reproduced || words.reproduced >= 1), "{words:?}");
+        let tally = results.tally("p", "");
+        assert_eq!(tally.numbers.all(), 0, "no number is published");
+        assert!(tally.claims.all() >= 1 && (wanted != Reproduced || tally.claims.reproduced >= 1), "{tally:?}");
     }
-    let disturbed = ["disturb", "disturb_grade_plus_5"].map(|test| row(test, "adaptive", "error_rms", Some(0.4)));
-    let results = Results { rows: disturbed.to_vec(), ..Results::default() };
-    assert_eq!(results.verdict(&results.rows[0]), None, "what is compared with claims nothing");
-    assert_eq!(results.verdict(&results.rows[1]), Some(Reproduced));
+    // Absolute bounds: a law that follows badly anyhow rejects nothing.
+    for (rms, wanted) in [(0.3, Reproduced), (0.4, Partly), (0.8, NotReproduced)] {
+        let disturbed = ["disturb", "disturb_grade_plus_5"].map(|test| row(test, "adaptive", "error_rms", Some(rms)));
+        let results = Results { rows: disturbed.to_vec(), ..Results::default() };
+        assert_eq!(results.verdict(&results.rows[0]), None, "what is undisturbed claims nothing");
+        assert_eq!(results.verdict(&results.rows[1]), Some(wanted));
+        assert!(results.tally("p", "").is_empty(), "the paper shows no disturbances");
+    }
+}
+
+/// A number within a factor of 2, with half of the published gain, is partly the published one; further away it is not.
+#[test]
+fn numbers_are_partly_reproduced_within_a_factor_of_two() {
+    let row = |controller, value: f64| Row {
+        test: "delay".to_owned(),
+        preset: "p".to_owned(),
+        noise: true,
+        controller,
+        quantity: "error_rms",
+        value: Some(value),
+        spread: None,
+        unit: "m/s",
+    };
+    use Verdict::{NotReproduced, Partly, Reproduced};
+    // Published: 2.27 and 0.68, a gain of 0.70.
+    for (classic, adaptive, wanted) in [
+        (2.3, 0.7, [Reproduced, Reproduced]),
+        (1.4, 0.5, [Partly, Partly]),
+        (1.0, 0.3, [NotReproduced, NotReproduced]),
+        (1.2, 0.3, [Partly, NotReproduced]),
+        (4.5, 1.4, [Partly, NotReproduced]),
+        (1.4, 1.1, [NotReproduced, NotReproduced]),
+    ] {
+        let results = Results { rows: vec![row("classic", classic), row("adaptive", adaptive)], ..Results::default() };
+        let verdicts = [0, 1].map(|i| results.verdict(&results.rows[i]).unwrap());
+        assert_eq!(verdicts, wanted, "{classic} {adaptive}");
+    }
+}
+
+/// Fourteen numbers, of which ten are facts, and ten claims: for each recording, and not once for each of them.
+#[test]
+fn the_papers_numbers_are_counted_once_per_recording() {
+    let dir = folder();
+    let file = dir.path().join("short.csv");
+    let rows: String = (0..=40).map(|t| format!("{t},{}\n", 10 + t % 3)).collect();
+    fs::write(&file, format!("t_s,v_mps\n{rows}")).unwrap();
+    let results = run(&Request { driver: Some(file), ..request("all", dir.path()) }).unwrap();
+    let tally = results.tally("default", "");
+    assert_eq!([tally.numbers.all(), tally.facts.all(), tally.claims.all()], [14, 10, 10], "{tally:?}");
+    assert_eq!(results.tally("default", "_udds").numbers.all(), 6, "of the steps");
+    let counts = fs::read_to_string(dir.path().join("counts.csv")).unwrap();
+    let mut lines = counts.lines();
+    assert!(lines.next().unwrap().starts_with("preset,recording,numbers,numbers_partly,numbers_driven,facts,"));
+    let (numbers, facts, claims) = (tally.numbers, tally.facts, tally.claims);
+    let counted =
+        [numbers, facts, claims].map(|count| format!("{},{},{}", count.reproduced, count.partly, count.all()));
+    assert_eq!(lines.collect::<Vec<_>>(), [format!("default,driver,{}", counted.join(","))]);
+    let told = format!("{:>2} of 14 numbers, {:>2} of 10 facts", numbers.reproduced, facts.reproduced);
+    assert!(results.table().contains(&told), "{}", results.table());
+    let page = fs::read_to_string(dir.path().join("index.html")).unwrap();
+    let table = page.split("id=\"fourteen-table\"").nth(1).expect("the table of the fourteen numbers");
+    let table = table.split("</table>").next().unwrap();
+    assert_eq!(table.matches("<tr").count(), 1 + 14 + 3, "a head, the numbers, the counts");
+    assert!(table.contains(&format!("{} + {} of 14", numbers.reproduced, numbers.partly)));
+}
+
+/// All fourteen numbers hold for one preset on the lap that it was found on, and twelve on a lap that the search never saw: the two
+/// that are left say how far the classic law is off on it.
+#[test]
+fn val_the_best_preset_meets_the_papers_numbers() {
+    let dir = folder();
+    let best = |out: &str, test: &str, driver: Option<PathBuf>| {
+        let preset = Some("best".to_owned());
+        run(&Request { preset, driver, ..request(test, &dir.path().join(out)) }).unwrap()
+    };
+    let steps = best("step", "step", None).tally("best", "").numbers;
+    assert_eq!([steps.reproduced, steps.all()], [6, 6]);
+    let on_the_road = |driver: Option<PathBuf>| {
+        let tallies = ["driver", "delay"].map(|test| best(test, test, driver.clone()).tally("best", "").numbers);
+        [tallies[0].reproduced + tallies[1].reproduced, tallies[0].all() + tallies[1].all()]
+    };
+    assert_eq!(on_the_road(None), [8, 8]);
+    let (other, _) = paper::record(&dir.path().join("lap"), 4).unwrap();
+    assert_eq!(on_the_road(Some(other)), [6, 8]);
+}
+
+/// The lap that is shipped is what the command makes; other seeds make other laps.
+#[test]
+fn val_the_shipped_lap_is_what_the_command_records() {
+    let dir = folder();
+    let record = |seed: &str| {
+        let out = dir.path().join(seed);
+        let printed = command().args(["paper", "record", "--seed", seed, "-o"]).arg(&out).assert().success();
+        let printed = String::from_utf8(printed.get_output().stdout.clone()).unwrap();
+        assert!(printed.contains(&format!("lap of seed {seed} ")) && printed.contains("racing driver"), "{printed}");
+        fs::read_to_string(out.join("lap.csv")).unwrap()
+    };
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/paper/data/handling_lap.csv");
+    assert!(record("1") == fs::read_to_string(shipped).unwrap());
+    assert!(record("1") != record("2"));
+    let demands = paper::demand::all();
+    assert!((0.5..=0.7).contains(&demands[0].accel_rms), "brisk: {:?}", demands[0]);
 }
 
 #[test]
@@ -501,6 +603,12 @@ fn disturbances_act() {
         for suffix in ["_mass_plus_50", "_mass_minus_50", "_grade_plus_5", "_headwind_15", "_stiffness_minus_30"] {
             assert_ne!(rms(suffix, controller), undisturbed, "{controller} {suffix}");
         }
-        assert!(rms("_friction_0.2", controller) > 2.0 * undisturbed, "{controller} on ice");
     }
+    // What torque or tyres cannot do is left out: under the weakest preset half a load more.
+    let weak = run(&Request { preset: Some("step4".to_owned()), ..request("disturb", dir.path()) }).unwrap();
+    let is_there = |results: &Results, suffix: &str| results.rows.iter().any(|r| r.test == format!("disturb{suffix}"));
+    for suffix in ["_mass_plus_50", "_grade_plus_5"] {
+        assert!(is_there(&results, suffix) && !is_there(&weak, suffix), "{suffix}");
+    }
+    assert!(is_there(&weak, "") && is_there(&weak, "_stiffness_plus_30"));
 }

@@ -1,61 +1,62 @@
-//! Not a check but a tool: the search for one preset that matches the most of the published numbers.
+//! Not a check but a tool: the search for one preset that meets the most of the published numbers on our lap.
 
 use rayon::prelude::*;
 use std::sync::Arc;
 use sumo_mfc::offline::{End, Road, Trip, Vehicle};
 use sumo_mfc::paper::library::Library;
+use sumo_mfc::paper::step::Response;
 use sumo_mfc::paper::{CONTROLLERS, Lab, step};
 use sumo_mfc::random::Stream;
 use sumo_mfc::scenario::{Override, Scenario};
-
-const RECORDINGS: [&str; 3] = ["racing_lap", "udds", "hwfet"];
 
 /// The paper's overshoots of the steps [%], and its RMS errors on the recording without and with delay [m/s], classic before
 /// adaptive, with the tolerances of the verdicts.
 const STEPS: [(f64, f64); 4] = [(19.5, 1.0), (9.5, 0.7), (8.0, 0.7), (3.9, 0.5)];
 const ERRORS: [(f64, f64); 4] = [(0.78, 0.117), (0.35, 0.0525), (2.27, 0.34), (0.68, 0.102)];
+/// Noise that each candidate drives under.
+const SEEDS: usize = 3;
 
-/// The search behind the preset `best`: the presets that are there and random choices of what the paper leaves open, then small
-/// steps from the best, against all published overshoots and RMS errors on all recordings and the first oscillation of the sine at
-/// once. `ROUNDS=180 SEED=3 cargo test --release --test paper_search -- --ignored --nocapture`.
+/// The search behind the preset `best`: known choices of what the paper leaves open, then random ones and small steps from the best,
+/// against the ten facts of the paper at once, its words on the sinusoid, and those on oscillation, on the lap of
+/// `scenarios/paper/data/handling_lap.csv` alone. With `LITERAL=1` only Algorithm 1 to the letter: ε = 0.01, the window of 200 ms, no lag, no variant.
+/// `ROUNDS=60 SEED=1 cargo test --release --test paper_search -- --ignored --nocapture`.
 #[test]
 #[ignore = "a search, not a check"]
 fn search_for_one_preset_that_matches_the_most() {
-    let rounds = std::env::var("ROUNDS").map_or(300, |n| n.parse().unwrap());
-    let seed = std::env::var("SEED").map_or(1, |n| n.parse().unwrap());
+    let number = |name: &str, default: u64| std::env::var(name).map_or(default, |n| n.parse().unwrap());
+    let (rounds, seed, literal) = (number("ROUNDS", 60), number("SEED", 1), number("LITERAL", 0) == 1);
     let dir = tempfile::tempdir().unwrap();
     let lab = Lab { library: Library::open(dir.path(), &[]).unwrap(), driver: None };
     let mut random = Stream::new(seed, "search", "paper");
     let mut best: Vec<(f64, Choice, String)> = Vec::new();
     for round in 0..rounds {
-        let explore = round % 3 == 0 || best.is_empty();
-        let batch: Vec<Choice> = (0..16)
-            .map(|i| match (round, explore) {
-                (0, _) if i < Choice::KNOWN.len() => Choice::KNOWN[i],
-                (_, true) => Choice::random(&mut random),
-                _ => {
-                    let parent = (random.uniform() * best.len().min(12) as f64) as usize;
-                    best[parent].1.near(&mut random)
-                }
-            })
-            .collect();
+        let explore = round % 5 == 1;
+        let mut one = |i: usize| match (round, explore) {
+            (0, _) => Choice::KNOWN[i % Choice::KNOWN.len()],
+            (_, true) => Choice::random(&mut random),
+            _ if best.is_empty() => Choice::random(&mut random),
+            _ => best[(random.uniform() * best.len().min(6) as f64) as usize].1.near(&mut random),
+        };
+        let batch: Vec<Choice> = (0..16).map(|i| if literal { one(i).to_the_letter() } else { one(i) }).collect();
         let scored: Vec<_> = batch.par_iter().map(|c| (c, c.score(&lab))).collect();
         best.extend(scored.into_iter().filter_map(|(c, s)| s.map(|(score, text)| (score, *c, text))));
         best.sort_by(|a, b| a.0.total_cmp(&b.0));
-        best.truncate(30);
-        if round % 5 == 0 {
-            for (score, choice, text) in best.iter().take(3) {
+        best.dedup_by(|a, b| a.0 == b.0);
+        best.truncate(20);
+        if round % 5 == 0 || round + 1 == rounds {
+            for (score, choice, text) in best.iter().take(2) {
                 println!("{round}: {score:.2} {choice:?} {text}");
             }
         }
     }
+    assert!(!best.is_empty(), "nothing near the first published number was found");
 }
 
 /// What the paper leaves open.
 #[derive(Debug, Clone, Copy)]
 struct Choice {
-    /// b [m/s2 per u], K_P [1/s], limits [m/s2] of drive and brakes, lag [s], epsilon [u].
-    values: [f64; 6],
+    /// b [m/s2 per u], K_P [1/s], limits [m/s2] of drive and brakes, lag [s], epsilon [u], window [s].
+    values: [f64; 7],
     period_s: f64,
     estimate: &'static str,
     rate: bool,
@@ -68,56 +69,53 @@ const ESTIMATES: [&str; 3] = ["commanded", "saturated", "applied"];
 const WINDOW_ALPHAS: [&str; 2] = ["updated", "used"];
 
 impl Choice {
-    const LOW: [f64; 6] = [0.004, 1.0, 2.0, 2.0, 0.01, 0.003];
-    const HIGH: [f64; 6] = [0.6, 80.0, 7.0, 9.8, 0.15, 0.3];
+    const LOW: [f64; 7] = [0.003, 5.0, 2.5, 2.5, 0.01, 0.005, 0.1];
+    const HIGH: [f64; 7] = [0.1, 80.0, 7.0, 9.8, 0.15, 0.3, 0.3];
+    const VARIANT: Self = Self {
+        values: [0.01, 20.0, 3.1, 5.0, 0.05, 0.1, 0.2],
+        period_s: 0.005,
+        estimate: "saturated",
+        rate: false,
+        window_alpha: "used",
+        recompute: true,
+    };
 
-    /// The presets `best`, `delay_a`, `delay_d` and `default`.
+    /// `delay_d`, with a rate of the reference and without; `delay_a` and `default`.
     const KNOWN: [Self; 4] = [
+        Self { values: [0.01125, 16.74, 3.09, 7.47, 0.05, 0.1, 0.2], rate: true, ..Self::VARIANT },
+        Self { values: [0.01125, 16.74, 3.09, 7.47, 0.05, 0.1, 0.2], ..Self::VARIANT },
         Self {
-            values: [0.011594, 18.01, 2.88, 4.648, 0.046, 0.1036],
-            period_s: 0.01,
-            estimate: "saturated",
-            rate: true,
-            window_alpha: "used",
-            recompute: true,
-        },
-        Self {
-            values: [0.0136, 15.66, 3.208, 9.18, 0.01, 0.01],
-            period_s: 0.005,
-            estimate: "saturated",
-            rate: false,
+            values: [0.0136, 15.66, 3.208, 9.18, 0.01, 0.01, 0.2],
             window_alpha: "updated",
             recompute: false,
+            ..Self::VARIANT
         },
         Self {
-            values: [0.01125, 16.74, 3.09, 7.47, 0.05, 0.1],
-            period_s: 0.005,
-            estimate: "saturated",
-            rate: true,
-            window_alpha: "used",
-            recompute: true,
-        },
-        Self {
-            values: [0.072, 4.0, 5.3, 5.3, 0.01, 0.01],
-            period_s: 0.005,
+            values: [0.072, 4.0, 5.3, 5.3, 0.01, 0.01, 0.2],
             estimate: "applied",
             rate: true,
             window_alpha: "updated",
             recompute: false,
+            ..Self::VARIANT
         },
     ];
 
     fn random(random: &mut Stream) -> Self {
         let values = std::array::from_fn(|i| Self::LOW[i] * (Self::HIGH[i] / Self::LOW[i]).powf(random.uniform()));
-        Self { values, ..Self::KNOWN[0] }.with_options(random, 1.0)
+        Self { values, ..Self::VARIANT }.with_options(random, 1.0)
     }
 
     fn near(self, random: &mut Stream) -> Self {
-        let size = if random.uniform() < 0.5 { 0.05 } else { 0.2 };
+        let size = [0.015, 0.05, 0.15][(random.uniform() * 3.0) as usize];
         let values = std::array::from_fn(|i| {
             (self.values[i] * (size * random.normal()).exp()).clamp(Self::LOW[i], Self::HIGH[i])
         });
-        Self { values, ..self }.with_options(random, 0.08)
+        Self { values, ..self }.with_options(random, 0.04)
+    }
+
+    fn to_the_letter(mut self) -> Self {
+        (self.values[4], self.values[5], self.values[6]) = (0.01, 0.01, 0.2);
+        Self { window_alpha: "updated", recompute: false, ..self }
     }
 
     /// Draws each option anew with this probability.
@@ -135,13 +133,14 @@ impl Choice {
     }
 
     fn settings(&self) -> Vec<Override> {
-        let [b, k_p, drive, brake, lag, epsilon] = self.values;
+        let [b, k_p, drive, brake, lag, epsilon, window] = self.values;
         let nm = 1719.0 * 0.3;
         let lag = if lag < 0.02 { 0.0 } else { lag };
         [
             ("controller.accel_per_unit_mps2", b.to_string()),
             ("controller.k_p", k_p.to_string()),
             ("controller.epsilon", epsilon.to_string()),
+            ("controller.window_s", window.to_string()),
             ("controller.input_estimate", self.estimate.to_owned()),
             ("controller.reference_rate_max_mps2", if self.rate { "20.0" } else { "0.0" }.to_owned()),
             ("controller.window_alpha", self.window_alpha.to_owned()),
@@ -156,55 +155,57 @@ impl Choice {
         .collect()
     }
 
-    /// How far from the published numbers, each counted as in [`miss`]; none if far from the first one.
+    /// How far from what the paper says, each counted as in [`miss`]; none if far from the first numbers.
     fn score(&self, lab: &Lab) -> Option<(f64, String)> {
-        let (mut overshoots, mut errors, mut sines) = (Vec::new(), Vec::new(), Vec::new());
-        for controller in CONTROLLERS {
+        let mut steps: Vec<[Response; 2]> = Vec::new();
+        for (controller, most) in CONTROLLERS.into_iter().zip([25.0, 14.0]) {
             let scenario = self.scenario(lab, "step", controller, &[])?;
             let drive = step::drive(&Road::new(&scenario).ok()?, 0).ok()?;
-            overshoots.extend(drive.responses[0].map(|r| r.overshoot));
-            if (overshoots[0] - 19.5).abs() > 5.0 {
+            steps.push(drive.responses[0]);
+            if !(most - 10.0..most).contains(&drive.responses[0][0].overshoot) {
                 return None;
             }
         }
-        if overshoots[2] > 14.0 {
-            return None;
-        }
+        let overshoots = [&steps[0][0], &steps[0][1], &steps[1][0], &steps[1][1]].map(|r| r.overshoot);
+        let settled = steps[1].map(|r| r.settling_m.unwrap_or(500.0));
+        let undershoots = [0, 1].map(|law| steps[law].map(|r| r.undershoot));
+        let (mut errors, mut sines) = (Vec::new(), Vec::new());
         for controller in CONTROLLERS {
             sines.push(self.sine_overshoot(lab, controller)?);
             errors.push(self.errors(lab, controller)?);
         }
-        let mut score: f64 = overshoots.iter().zip(STEPS).map(|(ours, published)| 2.0 * miss(*ours, published)).sum();
-        for recording in 0..RECORDINGS.len() {
-            for (k, published) in ERRORS.iter().enumerate() {
-                score += miss(errors[k % 2][recording][k / 2], *published);
-            }
-        }
-        // Hardly any overshoot on the sine: within 2 %, or half of the classic one's.
-        score += if sines[1] <= 2.0 { 0.0 } else { (sines[1] / sines[0].max(2.0)).min(1.0) };
-        Some((score, format!("{overshoots:.1?} {errors:.2?} sine {sines:.1?}")))
+        let errors = [errors[0][0], errors[1][0], errors[0][1], errors[1][1]];
+        let mut score: f64 = overshoots.iter().zip(STEPS).map(|(ours, published)| miss(*ours, published)).sum();
+        score += errors.iter().zip(ERRORS).map(|(ours, published)| miss(*ours, published)).sum::<f64>();
+        score += settled.iter().map(|metres| if *metres <= 100.0 { 0.0 } else { 1.0 }).sum::<f64>();
+        // The words: an oscillation to be seen, half of it at most with adaptation, hardly any overshoot on the sinusoid.
+        let words = [
+            undershoots[0].iter().all(|under| *under >= 2.0),
+            undershoots[1].iter().zip(&undershoots[0]).all(|(adaptive, classic)| *adaptive <= 0.5 * classic),
+            sines[1] <= 2.0,
+        ];
+        score += words.iter().map(|holds| if *holds { 0.0 } else { 0.5 }).sum::<f64>();
+        let text = format!(
+            "steps {overshoots:.2?} settled {settled:.0?} undershoots {undershoots:.1?} errors {errors:.3?} sine {sines:.2?}"
+        );
+        Some((score, text))
     }
 
-    /// RMS errors on each recording, with noise: without and with delay.
-    fn errors(&self, lab: &Lab, controller: &str) -> Option<Vec<[f64; 2]>> {
-        let mut trips: Vec<Trip> = Vec::new();
-        let scenarios: Vec<Scenario> = RECORDINGS
-            .iter()
-            .map(|recording| {
-                let file = lab.library.folder().join(format!("data/{recording}.csv"));
-                let file = Override::text("search", "target.file", &file.to_string_lossy());
-                self.scenario(lab, "delay", controller, &[file])
-            })
-            .collect::<Option<_>>()?;
-        for scenario in &scenarios {
-            let delayed = Road::new(scenario).ok()?.whole_trips(1).ok()?.pop()?;
-            let mut prompt = Trip { profile: Arc::clone(&delayed.profile), ..delayed.clone() };
+    /// RMS errors on the lap, mean over the noise: without and with delay.
+    fn errors(&self, lab: &Lab, controller: &str) -> Option<[f64; 2]> {
+        let scenario = self.scenario(lab, "delay", controller, &[])?;
+        let road = Road::new(&scenario).ok()?;
+        let delayed = road.whole_trips(SEEDS).ok()?.split_off(1);
+        let prompt = delayed.iter().map(|trip| {
+            let mut prompt = Trip { profile: Arc::clone(&trip.profile), ..trip.clone() };
             prompt.vehicle.actuator.dead_time_s = 0.0;
-            trips.extend([prompt, delayed]);
-        }
-        let outcomes = Road::new(&scenarios[0]).ok()?.drive(&trips, |_| {}).ok()?;
+            prompt
+        });
+        let trips: Vec<Trip> = prompt.chain(delayed.iter().cloned()).collect();
+        let outcomes = road.drive(&trips, |_| {}).ok()?;
         let rms: Vec<f64> = outcomes.iter().map(|o| o.stats.error_rms).collect::<Option<_>>()?;
-        Some(rms.chunks(2).map(|pair| [pair[0], pair[1]]).collect())
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+        Some([mean(&rms[..SEEDS]), mean(&rms[SEEDS..])])
     }
 
     /// Overshoot in the first oscillation, without noise [%].

@@ -388,7 +388,7 @@ pub struct CheckArgs {
 /// `paper`.
 #[derive(Debug, Args)]
 pub struct PaperArgs {
-    /// step, sine, driver, delay, disturb, map, or all but the map, which takes longest
+    /// step, sine, driver, delay, disturb, map, or all but the map, which takes longest; record makes a lap
     #[arg(default_value = "all", value_name = "TEST")]
     pub test: String,
     /// Folder of the results
@@ -400,6 +400,9 @@ pub struct PaperArgs {
     /// Only this preset of scenarios/paper/presets [default: all of them]
     #[arg(long, value_name = "NAME", help_heading = SCENARIO)]
     pub preset: Option<String>,
+    /// Seed of the driver that `record` lets drive
+    #[arg(long, value_name = "N", default_value_t = 1, help_heading = SCENARIO)]
+    pub seed: u64,
     /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see docs/how-to/recordings.md)
     #[arg(long, value_name = "FILE", help_heading = SCENARIO)]
     pub driver: Option<PathBuf>,

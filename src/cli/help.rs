@@ -81,6 +81,7 @@ Examples:
   sumo-mfc paper                               All tests, all presets: figures and a page
   sumo-mfc paper step --preset default --export csv
   sumo-mfc paper driver --driver lap.csv --set controller.k_p=1.2 -o out/lap
+  sumo-mfc paper record --seed 2 -o out/lap    A lap as a human drives it, to give to --driver
   sumo-mfc paper map --coarse                  Where adaptation helps, on a coarse grid";
 
 /// Examples of `tune`.

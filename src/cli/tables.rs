@@ -84,6 +84,7 @@ record! {
         value: Option<f64> = "Its value; none if it never settled or arrived";
         unit: &'static str = "Its unit";
         published: f64 = "The published value";
+        weight: String = "Whether the number is a fact of its own, the same fact as error_rms, or says little";
         verdict: String = "reproduced, partly, or not reproduced";
     }
 }
@@ -100,6 +101,7 @@ pub fn reproduced(results: &Results, form: Form) -> String {
             value: row.value,
             unit: row.unit,
             published: published.number(),
+            weight: row.weight().map(|weight| weight.to_string()).unwrap_or_default(),
             verdict: verdict.to_string(),
         })
     });

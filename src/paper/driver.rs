@@ -17,6 +17,8 @@ use std::path::Path;
 const ROUTES: &[Route] = &[
     Route { suffix: "", file: None, along_track: false },
     Route { suffix: "_path", file: None, along_track: true },
+    Route { suffix: "_racing", file: Some("data/racing_lap.csv"), along_track: false },
+    Route { suffix: "_racing_path", file: Some("data/racing_lap.csv"), along_track: true },
     Route { suffix: "_udds", file: Some("data/udds.csv"), along_track: false },
     Route { suffix: "_hwfet", file: Some("data/hwfet.csv"), along_track: false },
 ];

@@ -1,7 +1,7 @@
 //! Why an experiment has no result.
 
 use crate::offline::OfflineError;
-use crate::output::meant;
+use crate::output::{OutputError, meant};
 use crate::registry::UnknownName;
 use crate::scenario::ScenarioError;
 use std::path::{Path, PathBuf};
@@ -39,6 +39,9 @@ pub enum PaperError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Offline(Box<OfflineError>),
+    /// A table cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
     /// The page's own template.
     #[error("the page's template: {0}")]
     Template(#[from] minijinja::Error),

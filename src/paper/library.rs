@@ -36,6 +36,7 @@ const CARRIED: &[(&str, &str)] = carried![
     "presets/delay_a.toml",
     "presets/delay_b.toml",
     "presets/delay_d.toml",
+    "data/handling_lap.csv",
     "data/racing_lap.csv",
     "data/udds.csv",
     "data/hwfet.csv",

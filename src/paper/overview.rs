@@ -5,26 +5,17 @@ use super::library::Preset;
 use super::reason;
 use super::results::Results;
 use super::row::Row;
-use super::verdict::Count;
+use super::tally::Tally;
 use crate::page::{Cell, Head, Section, TableView};
 use std::cmp::Reverse;
 
-/// A preset with its counts of numbers and of claims in words.
-pub type Ranked<'a> = (&'a Preset, [Count; 2]);
-
-/// Reproduced and partly, of numbers and words together.
-pub fn total([numbers, words]: &[Count; 2]) -> Count {
-    Count {
-        reproduced: numbers.reproduced + words.reproduced,
-        partly: numbers.partly + words.partly,
-        not: numbers.not + words.not,
-    }
-}
+/// A preset with its counts on the first recording.
+pub type Ranked<'a> = (&'a Preset, Tally);
 
 /// The presets, those that match the most first; equal ones as they are listed.
 pub fn ranked<'a>(presets: &[&'a Preset], results: &Results) -> Vec<Ranked<'a>> {
-    let mut ranked: Vec<Ranked> = presets.iter().map(|p| (*p, results.counts(&p.name))).collect();
-    ranked.sort_by_key(|(_, counts)| Reverse((total(counts).reproduced, total(counts).partly)));
+    let mut ranked: Vec<Ranked> = presets.iter().map(|p| (*p, results.tally(&p.name, ""))).collect();
+    ranked.sort_by_key(|(_, tally)| Reverse(tally.rank()));
     ranked
 }
 
@@ -42,16 +33,16 @@ pub fn sections(ranked: &[Ranked], presets: &[&Preset], results: &Results) -> Ve
                       what the driver drove. A preset is one choice of all that, and every test runs under every preset: nothing is \
                       picked test by test. A preset was fitted to some of the published numbers, so that it meets these is no evidence that it is what \
                       the authors used; what it says about the others is.";
-    let of_ranking = "Each published number and each claim in words counts once for each recording that it is held against: steps and \
-                      sinusoid without noise, recordings with noise, mean over the seeds. The disturbances, of which the paper \
-                      shows no test, do not count.";
+    let of_ranking = "With the first recording: steps and sinusoid without noise, the recording with noise, mean over the seeds. Ranked by facts and \
+                      claims; the numbers that are no facts of their own do not count here, nor do the disturbances, of which the paper shows no test. \
+                      counts.csv has every preset on every recording.";
     let glances = [
         glance("numbers", presets, results, &|r| r.published().is_some()),
         glance("claims", presets, results, &|r| claims::about(r).is_some()),
     ];
     let titles = ["Published numbers against presets", "Claims in words against presets"];
     let mut sections = vec![folded("presets", "What the presets are", of_presets, meanings(presets))];
-    if ranked.iter().any(|(_, counts)| total(counts).all() > 0) {
+    if ranked.iter().any(|(_, tally)| !tally.is_empty()) {
         sections.push(folded("ranking", "Which preset matches the most", of_ranking, ranking(ranked)));
     }
     for (table, title) in glances.into_iter().zip(titles).filter(|(table, _)| !table.rows.is_empty()) {
@@ -71,16 +62,16 @@ fn meanings(presets: &[&Preset]) -> TableView {
 }
 
 fn ranking(ranked: &[Ranked]) -> TableView {
-    let groups = ["numbers", "words", "all"];
+    let groups = ["numbers", "facts", "claims"];
     let head = groups.iter().flat_map(|group| {
         ["reproduced", "partly", "not"].map(|verdict| Head::number(format!("{group}: {verdict}"), ""))
     });
-    let row = |(preset, counts): &Ranked| {
-        let numbers = [counts[0], counts[1], total(counts)].into_iter().flat_map(|count| {
+    let row = |(preset, tally): &Ranked| {
+        let counts = [tally.numbers, tally.facts, tally.claims].into_iter().flat_map(|count| {
             [(count.reproduced, "yes"), (count.partly, "part"), (count.not, "no")]
                 .map(|(count, class)| Cell::number(count.to_string()).shown_as(class))
         });
-        [Cell::text(&preset.name)].into_iter().chain(numbers).collect()
+        [Cell::text(&preset.name)].into_iter().chain(counts).collect()
     };
     TableView {
         id: "ranking-table".into(),

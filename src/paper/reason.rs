@@ -1,8 +1,8 @@
 //! What a page says of one number: ours, what the paper says, the verdict, and the reason for it.
 
 use super::claims;
-use super::published::Published;
-use super::results::Results;
+use super::published::{Published, Weight};
+use super::results::{FACTOR, Results};
 use super::row::Row;
 use super::verdict::Verdict;
 use crate::page::{Cell, Head};
@@ -85,11 +85,16 @@ pub fn why(row: &Row, results: &Results) -> String {
         Published::Number { value, within } => (value, within),
     };
     let digits = if row.unit == "m/s" { 3 } else { 2 };
-    let (apart, ours) = ((ours - value).abs(), rounded(ours, digits));
-    if published.agrees(row.value.unwrap_or(f64::NAN)) {
-        return format!("{ours} is {apart:.digits$} from {value}, within {within:.digits$}.");
+    let (apart, is_near) = ((ours - value).abs(), published.is_within_factor(FACTOR, ours));
+    let agrees = published.agrees(ours);
+    let ours = rounded(ours, digits);
+    let weight = row.weight().filter(|weight| *weight != Weight::Fact);
+    let weight = weight.map(|weight| format!(" It {weight}.")).unwrap_or_default();
+    if agrees {
+        return format!("{ours} is {apart:.digits$} from {value}, within {within:.digits$}.{weight}");
     }
-    format!("{ours} is {apart:.digits$} from {value}, not within {within:.digits$}{}", gain(row, results))
+    let far = if is_near { "" } else { ", nor within a factor of 2" };
+    format!("{ours} is {apart:.digits$} from {value}, not within {within:.digits$}{far}{}{weight}", gain(row, results))
 }
 
 /// What an effect without its size rests on: how much less the adaptive law has, and how much less it would need.

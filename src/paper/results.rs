@@ -1,10 +1,14 @@
 //! `results.csv`: every number that came out, beside the published one where there is one, with a verdict that is computed.
 
 use super::claims;
-use super::published::{Published, published};
+use super::published::{Published, Weight, published};
 use super::row::{self, Row};
-use super::verdict::{Count, Verdict};
+use super::tally::{self, Tally, TallyRow};
+use super::verdict::Verdict;
 use std::fmt::Write;
+
+/// A number that is further away than this factor is not even partly the published one.
+pub const FACTOR: f64 = 2.0;
 
 /// All numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -27,20 +31,22 @@ impl Results {
         if row.value.is_some_and(|v| ours.agrees(v)) {
             return Some(Verdict::Reproduced);
         }
+        let is_near = row.value.is_some_and(|v| ours.is_within_factor(FACTOR, v));
+        Some(if is_near && self.gains_half(row) { Verdict::Partly } else { Verdict::NotReproduced })
+    }
+
+    /// Whether the adaptive law gains at least half of what it gains in the paper, 1 − adaptive/classic: the effect, though not
+    /// its size.
+    fn gains_half(&self, row: &Row) -> bool {
         let both = |controller| {
             let here = self.get(&row.test, &row.preset, row.noise, controller, row.quantity)?.value?;
             let there = published(row.family(), controller, row.quantity)?.number();
             Some((here, there))
         };
-        Some(match (both("classic"), both("adaptive")) {
-            // The published gain is 1 − adaptive/classic; half of it or more is the effect, though not its size.
-            (Some((classic, classic_there)), Some((adaptive, adaptive_there)))
-                if classic_there > 0.0 && 1.0 - adaptive / classic >= 0.5 * (1.0 - adaptive_there / classic_there) =>
-            {
-                Verdict::Partly
-            }
-            _ => Verdict::NotReproduced,
-        })
+        let Some(((classic, classic_there), (adaptive, adaptive_there))) = both("classic").zip(both("adaptive")) else {
+            return false;
+        };
+        classic_there > 0.0 && 1.0 - adaptive / classic >= 0.5 * (1.0 - adaptive_there / classic_there)
     }
 
     /// What stands for a published number, as a table for the terminal, and what the map says.
@@ -51,7 +57,7 @@ impl Results {
             let value = row.value.map_or_else(|| "-".to_owned(), |v| format!("{v:.2}"));
             let _ = writeln!(
                 text,
-                "{:<14}{:<10}{:<10}{:<13}{value:>8} {:<4}published {:>6}  {verdict}",
+                "{:<20}{:<10}{:<10}{:<13}{value:>8} {:<4}published {:>6}  {verdict}",
                 row.test,
                 row.preset,
                 row.controller,
@@ -60,23 +66,57 @@ impl Results {
                 published.number(),
             );
         }
-        text + &self.text
+        text + &tally::lines(&self.counts()) + &self.text
     }
 
-    /// How many of what a preset's rows stand for came out: reproduced, partly, not; of numbers and of claims in words. The paper
-    /// shows no disturbances, so these do not count.
-    pub fn counts(&self, preset: &str) -> [Count; 2] {
-        let mut counts = [Count::default(); 2];
-        for row in self.rows.iter().filter(|r| r.preset == preset && r.is_shown() && r.family() != "disturb") {
-            let Some(verdict) = self.verdict(row) else { continue };
-            let count = &mut counts[usize::from(row.published().is_none())];
-            match verdict {
-                Verdict::Reproduced => count.reproduced += 1,
-                Verdict::Partly => count.partly += 1,
-                Verdict::NotReproduced => count.not += 1,
+    /// The recordings that were driven, as they are named behind a test: empty for the first.
+    pub fn recordings(&self) -> Vec<&str> {
+        let mut recordings = vec![""];
+        for row in self.rows.iter().filter(|r| r.is_shown()) {
+            if !recordings.contains(&row.recording()) {
+                recordings.push(row.recording());
             }
         }
-        counts
+        recordings
+    }
+
+    /// How many of the paper's numbers and claims came out under a preset with one recording. The paper shows no disturbances, so
+    /// these do not count.
+    pub fn tally(&self, preset: &str, recording: &str) -> Tally {
+        let mut tally = Tally::default();
+        let mut claims: Vec<(&str, Verdict)> = Vec::new();
+        for row in self.rows.iter().filter(|r| r.preset == preset && r.is_shown() && r.family() != "disturb") {
+            // What is driven on no recording belongs to each of them.
+            let is_meant = !row::is_on_road(row.family()) || row.recording() == recording;
+            let Some(verdict) = self.verdict(row).filter(|_| is_meant) else { continue };
+            if let Some(weight) = row.weight() {
+                tally.numbers.add(verdict);
+                if weight == Weight::Fact {
+                    tally.facts.add(verdict);
+                }
+            } else if let Some(claim) = claims::about(row) {
+                // A claim about several quantities holds if it does for all of them.
+                match claims.iter_mut().find(|(words, _)| *words == claim.words) {
+                    Some((_, worst)) => *worst = verdict.max(*worst),
+                    None => claims.push((claim.words, verdict)),
+                }
+            }
+        }
+        claims.iter().for_each(|(_, verdict)| tally.claims.add(*verdict));
+        tally
+    }
+
+    /// The rows of `counts.csv`: presets and recordings as they are listed.
+    pub fn counts(&self) -> Vec<TallyRow> {
+        let mut presets: Vec<&str> = Vec::new();
+        for row in self.rows.iter().filter(|row| row.is_shown() && row.preset != "none") {
+            if !presets.contains(&row.preset.as_str()) {
+                presets.push(&row.preset);
+            }
+        }
+        let recordings = self.recordings();
+        let all = presets.iter().flat_map(|preset| recordings.iter().map(move |recording| (*preset, *recording)));
+        all.filter_map(|(preset, recording)| tally::row(preset, recording, &self.tally(preset, recording))).collect()
     }
 
     /// As `results.csv`.

@@ -1,6 +1,6 @@
 //! The rows of `results.csv`.
 
-use super::published::{Published, published};
+use super::published::{Published, Weight, published, weight};
 use crate::offline::Outcome;
 
 /// The test with the short sinusoid: how much hangs on what the paper leaves open.
@@ -33,6 +33,16 @@ impl Row {
         published(self.family(), self.controller, self.quantity)
     }
 
+    /// What that says that the paper's other numbers do not.
+    pub fn weight(&self) -> Option<Weight> {
+        weight(self.family(), self.controller, self.quantity)
+    }
+
+    /// `_udds` of `driver_udds`; empty for what is driven on no recording, or on the first one.
+    pub fn recording(&self) -> &str {
+        if is_on_road(self.family()) { &self.test[self.family().len()..] } else { "" }
+    }
+
     /// `driver` of `driver_udds`.
     pub fn family(&self) -> &str {
         family(&self.test)
@@ -41,8 +51,13 @@ impl Row {
     /// Whether this row stands for what the paper shows. Of the steps, the sine and the disturbances that is the single drive
     /// without noise; of the recordings, which go on for long, the mean over the noise. The short sine is beside the paper.
     pub fn is_shown(&self) -> bool {
-        self.noise == ["driver", "delay"].contains(&self.family()) && self.test != SHORT_SINE
+        self.noise == is_on_road(self.family()) && self.test != SHORT_SINE
     }
+}
+
+/// Whether a family of tests drives along a recording.
+pub fn is_on_road(family: &str) -> bool {
+    ["driver", "delay"].contains(&family)
 }
 
 /// `driver` of `driver_udds`.

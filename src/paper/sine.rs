@@ -22,11 +22,24 @@ struct Course {
     /// Largest (V_x − y_r)/y_r in the first oscillation after the reference was reached.
     over: f64,
     converged_m: Option<f64>,
+    /// Periods since then, and the sum of their squared errors [m²/s²].
+    periods: u32,
+    squares: f64,
 }
 
 impl Course {
-    /// Takes a moment of the first oscillation.
-    fn see(&mut self, m: &Moment) {
+    /// Takes a moment; the first oscillation decides where the error has converged.
+    fn see(&mut self, m: &Moment, is_first: bool) {
+        if is_first {
+            self.see_first(m);
+        }
+        if self.converged_m.is_some() {
+            self.periods += 1;
+            self.squares += m.error_mps() * m.error_mps();
+        }
+    }
+
+    fn see_first(&mut self, m: &Moment) {
         let relative = m.speed_mps / m.reference_mps - 1.0;
         self.reached |= relative >= 0.0;
         if self.reached {
@@ -34,9 +47,14 @@ impl Course {
         }
         match (relative.abs() <= BAND, self.converged_m) {
             (true, None) => self.converged_m = Some(m.distance_m),
-            (false, Some(_)) => self.converged_m = None,
+            (false, Some(_)) => (self.converged_m, self.periods, self.squares) = (None, 0, 0.0),
             _ => {}
         }
+    }
+
+    /// RMS error from where it has converged on [m/s].
+    fn rms_mps(&self) -> Option<f64> {
+        self.converged_m.map(|_| (self.squares / f64::from(self.periods.max(1))).sqrt())
     }
 }
 
@@ -79,9 +97,7 @@ fn drive(
     let trips = road.trips(SEEDS, 0.0, End::Distance(WAVES * wave_m))?;
     let outcomes = road.drive(&trips, |vehicle| {
         let moment = vehicle.moment();
-        if moment.distance_m < wave_m {
-            courses[vehicle.trip].see(&moment);
-        }
+        courses[vehicle.trip].see(&moment, moment.distance_m < wave_m);
         if vehicle.trip == 0 {
             exact.push(moment);
         }
@@ -89,8 +105,13 @@ fn drive(
     let named = Rows { test, preset: &preset.name, controller };
     let overshoot: Vec<_> = courses.iter().map(|c| Some(100.0 * c.over)).collect();
     let converged: Vec<_> = courses.iter().map(|c| c.converged_m).collect();
-    let rows =
-        [named.of("overshoot_1", "%", &overshoot), named.of("settling_1", "m", &converged), named.errors(&outcomes)];
+    let rms: Vec<_> = courses.iter().zip(&outcomes).map(|(c, o)| c.rms_mps().filter(|_| o.finished)).collect();
+    let rows = [
+        named.of("overshoot_1", "%", &overshoot),
+        named.of("settling_1", "m", &converged),
+        named.of("error_rms_converged", "m/s", &rms),
+        named.errors(&outcomes),
+    ];
     Ok((rows.concat(), exact))
 }
 

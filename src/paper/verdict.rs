@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-/// How a number compares with the published one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How a number compares with the published one, the best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// It agrees.
     Reproduced,
-    /// It does not, but the adaptive law is better than the classic one by at least half as much as published; of a claim
-    /// in words, as its criterion says.
+    /// It does not, but it is within a factor of 2, and the adaptive law is better than the classic one by at least half as
+    /// much as published; of a claim in words, as its criterion says.
     Partly,
     /// Neither.
     NotReproduced,
@@ -36,6 +36,15 @@ pub struct Count {
 }
 
 impl Count {
+    /// Counts one more.
+    pub fn add(&mut self, verdict: Verdict) {
+        match verdict {
+            Verdict::Reproduced => self.reproduced += 1,
+            Verdict::Partly => self.partly += 1,
+            Verdict::NotReproduced => self.not += 1,
+        }
+    }
+
     /// How many verdicts.
     pub fn all(&self) -> usize {
         self.reproduced + self.partly + self.not

@@ -126,8 +126,8 @@ fn the_folders_of_a_run_a_study_and_the_paper_hold_what_the_page_of_files_says()
 
     let dir = folder.path().join("paper");
     let paper = sumo_mfc::paper::FILES.map(|file| file.map(str::to_owned));
-    for (working, without) in [(repository("."), &["map", "scenarios/paper"][..]), (folder.path().to_owned(), &["map"])]
-    {
+    let (inside, outside) = (["map", "record", "scenarios/paper"], ["map", "record"]);
+    for (working, without) in [(repository("."), &inside[..]), (folder.path().to_owned(), &outside[..])] {
         let mut command = program(NEW);
         command.current_dir(working).args(["paper", "step", "--preset", "default", "-o"]).arg(&dir);
         assert_eq!(Running::start(command).wait().code, Some(0));
