@@ -5,7 +5,7 @@
 //! - *Ahead.* The driver brakes so early, and accelerates so late, that moderate accelerations do.
 //! - *Imperfection* (Treiber, Kesting and Helbing 2006, Physica A 360, 71-88): the own speed is known as it was a reaction time
 //!   ago, brought up to date with the acceleration (temporal anticipation), and the speed that is wanted is misjudged by a
-//!   relative error with a memory of [`MEMORY_S`], an Ornstein-Uhlenbeck process.
+//!   relative error with a memory of `MEMORY_S`, an Ornstein-Uhlenbeck process.
 //! - *Pedals* move to a new place at random moments, not all the time (Wagner 2006, European Physical Journal B 52, 427-431), and
 //!   the car follows them with a lag.
 //!
