@@ -1,11 +1,16 @@
 """The environments of Gymnasium."""
 
+import re
+import subprocess
+import sys
 from pathlib import Path
 
 import gymnasium
 import numpy as np
 from gymnasium.utils.env_checker import check_env
 from sumo_mfc import gym
+
+from lines import REPOSITORY
 
 
 def drive(env: gymnasium.Env[gym.Seen, gym.Action], seed: int, gain: float) -> tuple[float, int]:
@@ -29,6 +34,13 @@ def test_track_rewards_tracking_and_repeats_with_its_seed() -> None:
     good, again, lazy, other = (drive(env, *how) for how in [(4, 1.5), (4, 1.5), (4, 0.0), (5, 1.5)])
     assert good == again != other
     assert good[1] == 600 and 2 * good[0] > lazy[0] and good[0] < 0
+
+
+def test_the_example_tunes_an_agent_that_drives_other_episodes_better() -> None:
+    example = REPOSITORY / "examples" / "python" / "tuned_agent.py"
+    ended = subprocess.run([sys.executable, example], capture_output=True, text=True, check=True, timeout=280)
+    last = re.search(r"on other episodes: (\S+) before, (\S+) after", ended.stdout)
+    assert last is not None and float(last[2]) > 0.1 * float(last[1])
 
 
 def test_track_in_a_vector() -> None:

@@ -1,6 +1,7 @@
 //! What a recording asks of a car: the statistics that say whether it is gentle or hard, for ours beside those of human drivers.
 
 use super::human::Sample;
+use super::library::carried;
 use crate::page::{Cell, Head, TableView};
 use crate::table::{Layout, record};
 
@@ -54,12 +55,13 @@ fn racing_driver() -> Demand {
 /// Ours, as they are shipped, and the published one.
 pub fn all() -> Vec<Demand> {
     let shipped = [
-        ("driver, our lap", include_str!("../../scenarios/paper/data/handling_lap.csv")),
-        ("udds, EPA", include_str!("../../scenarios/paper/data/udds.csv")),
-        ("hwfet, EPA", include_str!("../../scenarios/paper/data/hwfet.csv")),
-        ("racing, SUMO's circuit", include_str!("../../scenarios/paper/data/racing_lap.csv")),
+        ("driver, our lap", "data/handling_lap.csv"),
+        ("udds, EPA", "data/udds.csv"),
+        ("hwfet, EPA", "data/hwfet.csv"),
+        ("racing, SUMO's circuit", "data/racing_lap.csv"),
     ];
-    let mut demands: Vec<Demand> = shipped.iter().map(|(name, csv)| of(name, &speeds(csv))).collect();
+    let of_file = |(name, file): &(&str, &str)| of(name, &speeds(carried(file).expect("it is carried")));
+    let mut demands: Vec<Demand> = shipped.iter().map(of_file).collect();
     demands.push(racing_driver());
     demands
 }

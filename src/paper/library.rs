@@ -42,6 +42,11 @@ const CARRIED: &[(&str, &str)] = carried![
     "data/hwfet.csv",
 ];
 
+/// The text of a file that is in the program, by its name below `scenarios/paper`.
+pub fn carried(name: &str) -> Option<&'static str> {
+    CARRIED.iter().find(|(carried, _)| *carried == name).map(|(_, text)| *text)
+}
+
 /// The controllers that a preset's `[controller]` is for; the others keep their own tuning.
 const MODEL_FREE: [&str; 2] = ["classic", "adaptive"];
 
