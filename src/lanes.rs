@@ -85,12 +85,19 @@ macro_rules! vectorised {
 
             #[multiversion::multiversion(targets("x86_64+avx2+fma"))]
             fn avx2($($argument: $type),*) {
-                lanes($($argument),*);
+                // The version that the macro adds for other machines is not compiled a second time.
+                multiversion::target::match_target! {
+                    "x86_64+avx2+fma" => lanes($($argument),*),
+                    _ => baseline($($argument),*),
+                }
             }
 
             #[multiversion::multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw"))]
             fn avx512($($argument: $type),*) {
-                lanes($($argument),*);
+                multiversion::target::match_target! {
+                    "x86_64+avx512f+avx512vl+avx512dq+avx512bw" => lanes($($argument),*),
+                    _ => baseline($($argument),*),
+                }
             }
 
             match $crate::lanes::InstructionSet::in_use() {
