@@ -201,7 +201,13 @@ fn paper_tests(args: PaperArgs) -> miette::Result<u8> {
     let sets = args.overrides();
     let PaperArgs { test, out, coarse, preset, driver, export, quiet, seed, .. } = args;
     if test == "record" {
-        return recorded(&out, seed, export.export, quiet);
+        if coarse || preset.is_some() || driver.is_some() || !sets.is_empty() {
+            miette::bail!("record: found options of the tests, wanted --seed, --out, --export and --quiet only");
+        }
+        return recorded(&out, seed.unwrap_or(1), export.export, quiet);
+    }
+    if seed.is_some() {
+        miette::bail!("--seed: found the test {test}, wanted record: the tests have seeds of their own");
     }
     if test == "map" && export.export.is_some() {
         miette::bail!("--export: found the test map, which has no table of published numbers; its own are in map.csv");

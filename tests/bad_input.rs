@@ -110,6 +110,9 @@ fn misspelt_subcommands_and_names_are_told_with_the_nearest() {
         (&["paper", "--preset", "defualt"], "\"default\""),
         (&["paper", "sime"], "\"sine\""),
         (&["paper", "mapp"], "\"map\""),
+        (&["paper", "step", "--seed", "2"], "--seed: found the test step, wanted record"),
+        (&["paper", "record", "--preset", "best"], "record: found options of the tests"),
+        (&["paper", "record", "--set", "controller.k_p=1"], "record: found options of the tests"),
         (&["sweep", "scenario.toml", "--executor", "slrum"], "\"slurm\""),
         (&["list", "--export", "cvs"], "csv]"),
     ] {

@@ -4,14 +4,17 @@ use std::sync::{Arc, Mutex};
 
 use sumo_mfc::control::{CONTROLLERS, GroupController, GroupPeriod, Law, group_law};
 use sumo_mfc::fleet::follow::{Bound, Follow};
-use sumo_mfc::fleet::{ActuatorSetup, Fleet, GroupSetup, LoopConfig, Slot, VehicleSetup};
+use sumo_mfc::fleet::{Fleet, GroupSetup, LoopConfig, Slot};
 use sumo_mfc::keys::{NoKeys, Values};
 use sumo_mfc::offline::Drive;
-use sumo_mfc::plant::{BODIES, SevenDof};
-use sumo_mfc::random::Stream;
+use sumo_mfc::plant::SevenDof;
 use sumo_mfc::reference::{Axis, Profile};
 use sumo_mfc::registry::find;
 use sumo_mfc::scenario::Catalog;
+use vehicle::vehicle;
+
+#[path = "same_bits/vehicle.rs"]
+mod vehicle;
 
 const PERIOD_S: f64 = 0.01;
 
@@ -43,17 +46,6 @@ impl GroupController for ColumnPi {
             group.torque_nm[i] = accel_mps2 * group.nominal_nm_per_mps2[i];
         }
         Ok(())
-    }
-}
-
-fn vehicle(number: usize) -> VehicleSetup {
-    let body = (BODIES[number % BODIES.len()].build)();
-    VehicleSetup {
-        nominal_nm_per_mps2: body.nominal_nm_per_mps2(),
-        actuator: ActuatorSetup { dead_time_s: 0.013 * (number % 7) as f64, lag_s: 0.02 * (number % 3) as f64 },
-        noise: (number.is_multiple_of(2)).then(|| (Stream::new(5, "noise", &number.to_string()), 0.3)),
-        speed_mps: (number % 15) as f64,
-        body,
     }
 }
 

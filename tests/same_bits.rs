@@ -2,27 +2,19 @@
 
 use sumo_mfc::control::CONTROLLERS;
 use sumo_mfc::fleet::follow::{Bound, Follow};
-use sumo_mfc::fleet::{ActuatorSetup, Fleet, GroupSetup, LoopConfig, Slot, VehicleSetup};
+use sumo_mfc::fleet::{Fleet, GroupSetup, LoopConfig, Slot};
 use sumo_mfc::keys::Values;
 use sumo_mfc::lanes::InstructionSet;
-use sumo_mfc::plant::{BODIES, SevenDof};
-use sumo_mfc::random::Stream;
+use sumo_mfc::plant::SevenDof;
 use sumo_mfc::registry::find;
+use vehicle::vehicle;
+
+#[path = "same_bits/vehicle.rs"]
+mod vehicle;
 
 /// More blocks than one thread takes alone.
 const VEHICLES: usize = 200;
 const STEPS: usize = 150;
-
-fn vehicle(number: usize) -> VehicleSetup {
-    let body = (BODIES[number % BODIES.len()].build)();
-    VehicleSetup {
-        nominal_nm_per_mps2: body.nominal_nm_per_mps2(),
-        actuator: ActuatorSetup { dead_time_s: 0.013 * (number % 7) as f64, lag_s: 0.02 * (number % 3) as f64 },
-        noise: (number.is_multiple_of(2)).then(|| (Stream::new(5, "noise", &number.to_string()), 0.3)),
-        speed_mps: (number % 15) as f64,
-        body,
-    }
-}
 
 /// What a vehicle is to drive in a step: speed up, bend, stop, stand, start again.
 fn target_mps(number: usize, step: usize) -> f64 {

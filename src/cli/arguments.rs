@@ -400,9 +400,9 @@ pub struct PaperArgs {
     /// Only this preset of scenarios/paper/presets [default: all of them]
     #[arg(long, value_name = "NAME", help_heading = SCENARIO)]
     pub preset: Option<String>,
-    /// Seed of the driver that `record` lets drive
-    #[arg(long, value_name = "N", default_value_t = 1, help_heading = SCENARIO)]
-    pub seed: u64,
+    /// Seed of the driver that `record` lets drive [default: 1]
+    #[arg(long, value_name = "N", help_heading = SCENARIO)]
+    pub seed: Option<u64>,
     /// A driver's recording in place of ours: CSV with t,vx or s_m,v_mps (see docs/how-to/recordings.md)
     #[arg(long, value_name = "FILE", help_heading = SCENARIO)]
     pub driver: Option<PathBuf>,

@@ -1,6 +1,6 @@
 //! A group whose law commands all its vehicles in one call: its blocks go through a step side by side, period by period.
 
-use super::block::{Block, Due};
+use super::block::{Block, CONTROL, Due};
 use super::course::Course;
 use super::follow::Follow;
 use super::setup::LoopConfig;
@@ -54,7 +54,10 @@ impl GroupLaw {
         for k in 0..periods {
             self.period.clear();
             set.during(|| walkers.iter_mut().for_each(|walker| walker.observe(config, k, &mut self.period)));
+            // The first block's stopwatch books the call for all.
+            walkers[0].block.stopwatch.start();
             self.law.command(&mut self.period)?;
+            walkers[0].block.stopwatch.lap(CONTROL);
             set.during(|| walkers.iter_mut().for_each(|walker| walker.act(config, k, &self.period)));
         }
         walkers.iter_mut().for_each(|walker| walker.block.finish(config, &walker.course));
@@ -64,7 +67,10 @@ impl GroupLaw {
 
 impl Walker<'_, '_> {
     fn observe(&mut self, config: &LoopConfig, k: u32, period: &mut GroupPeriod) {
+        // What the other blocks do meanwhile is not this one's time.
+        self.block.stopwatch.start();
         let due = self.block.observe(config, &self.course, k);
+        self.block.stopwatch.lap(CONTROL);
         if let (Some(port), Some(observation)) = (self.block.port(), &due.observation) {
             period.see(self.place, &due.moving, observation, port);
         }
@@ -72,6 +78,7 @@ impl Walker<'_, '_> {
     }
 
     fn act(&mut self, config: &LoopConfig, k: u32, period: &GroupPeriod) {
+        self.block.stopwatch.start();
         if let Some(port) = self.block.port() {
             period.tell(self.place, port);
         }
