@@ -32,6 +32,8 @@ mod host;
 mod joined;
 mod manifest;
 mod noted;
+#[cfg(target_os = "linux")]
+mod one_core;
 mod options;
 mod outcome;
 mod profile;

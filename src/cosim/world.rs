@@ -25,7 +25,7 @@ use super::setup::WorldSetup;
 use super::sumo::{Sumo, Tell};
 use crate::fleet::block::Block;
 use crate::fleet::follow::Follow;
-use crate::fleet::{Fleet, FleetTime, Slot};
+use crate::fleet::{Fleet, Slot};
 use crate::scenario::{Trace, TraceRows};
 use crate::traci::Client;
 use std::collections::HashMap;
@@ -482,14 +482,14 @@ impl<S: Sumo> World<S> {
         egos.map(|ego| (ego, self.fleet.block(ego.slot)))
     }
 
-    /// From now on notes where the fleet's time goes, [`World::fleet_time`].
+    /// From now on the fleet notes where its time goes, [`Fleet::time_spent`].
     pub fn time_fleet(&mut self) {
         self.fleet.time_yourself();
     }
 
-    /// Where the fleet's time went.
-    pub fn fleet_time(&self) -> FleetTime {
-        self.fleet.time_spent()
+    /// The vehicles of all groups.
+    pub fn fleet(&self) -> &Fleet {
+        &self.fleet
     }
 
     /// Time spent waiting for SUMO so far.

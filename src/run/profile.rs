@@ -51,7 +51,7 @@ impl Profiler {
     /// What was measured.
     pub fn profile(&self, world: &World) -> Option<Profile> {
         let [step, output] = self.watch.spent();
-        let fleet = world.fleet_time();
+        let fleet = world.fleet().time_spent();
         let sumo = world.waited().saturating_sub(self.waited);
         let wire = step.saturating_sub(sumo + fleet.control + fleet.plant + fleet.statistics);
         let (steps, ego_steps) = (self.steps, self.ego_steps);

@@ -203,6 +203,12 @@ impl Session {
         self.world.driving().find(|(ego, _)| **ego.id() == *id).map(|(ego, block)| block.stats(ego.slot.lane()))
     }
 
+    /// The process of the SUMO that was started for the session.
+    #[cfg(target_os = "linux")]
+    pub(super) fn sumo_id(&self) -> Option<u32> {
+        if let Host::Process(process) = &self.host { process.id() } else { None }
+    }
+
     /// Fleet and SUMO behind the session.
     pub fn world(&self) -> &World {
         &self.world

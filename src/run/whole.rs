@@ -1,6 +1,8 @@
 //! A run from its beginning to its end or to a signal, on threads of its own.
 
 use super::error::RunError;
+#[cfg(target_os = "linux")]
+use super::one_core::OneCore;
 use super::options::SessionOptions;
 use super::progress::Progress;
 use super::remote::Remote;
@@ -9,6 +11,8 @@ use super::session::Session;
 use super::signals::Signals;
 use crate::scenario::Scenario;
 use std::time::Duration;
+#[cfg(target_os = "linux")]
+use std::time::Instant;
 
 /// A step that takes longer than this is told.
 const SLOW: Duration = Duration::from_secs(10);
@@ -84,17 +88,25 @@ async fn run_until(
 ) -> Result<RunResult, RunError> {
     let mut session = Session::open_unless(scenario, &options.session, signals.wait()).await?;
     let progress = Progress::new(options.progress, options.tied, &session);
+    #[cfg(target_os = "linux")]
+    let mut one_core = OneCore::of(&session);
     while signals.raised().is_none() && !session.is_over() {
         let slow = tell_if_slow(&options.session);
+        #[cfg(target_os = "linux")]
+        let begun = Instant::now();
         tokio::select! {
             stepped = session.step() => stepped?,
             signal = signals.overdue() => return Err(session.break_off(RunError::Interrupted(signal))),
             () = slow => unreachable!("it tells for ever"),
         }
+        #[cfg(target_os = "linux")]
+        one_core.iter_mut().for_each(|one_core| one_core.stepped(begun.elapsed()));
         progress.show(&session);
         remote.show(session.times());
     }
     drop(progress);
+    #[cfg(target_os = "linux")]
+    drop(one_core);
     let interrupted = signals.raised();
     let result = match interrupted {
         Some(signal) => session.close(Some(RunError::Interrupted(signal).to_string()), signals.overdue()).await?,

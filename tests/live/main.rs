@@ -2,6 +2,8 @@
 
 mod city;
 mod clients;
+#[cfg(target_os = "linux")]
+mod cores;
 mod coupling;
 mod determinism;
 mod faults;
