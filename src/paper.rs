@@ -6,6 +6,7 @@
 
 mod circuit;
 mod claims;
+mod compared;
 pub mod demand;
 mod disturb;
 mod driver;
@@ -32,9 +33,10 @@ mod verdict;
 use crate::output::write_table;
 use crate::registry::{Entry, find};
 use crate::scenario::Override;
+pub use compared::{CONTROLLERS, every_law};
 pub use demand::Demand;
 pub use error::{PaperError, write};
-pub use lab::{CONTROLLERS, Finding, Lab, SEEDS, every_law};
+pub use lab::{Finding, Lab, SEEDS};
 use library::{Library, Preset};
 use results::Results;
 use std::path::{Path, PathBuf};
@@ -119,7 +121,16 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
         Some(name) => vec![lab.library.find(name)?],
         None => lab.library.presets.iter().collect(),
     };
+    let only_the_papers = match request.test.as_str() {
+        "step" | "sine" => true,
+        "map" => false,
+        _ => presets.iter().all(|preset| preset.name != library::DEFAULT),
+    };
+    let driven = if only_the_papers { CONTROLLERS.to_vec() } else { every_law().collect() };
     let mut whole = Finding::default();
+    for line in lab.library.reached(&driven)? {
+        whole.text += &format!("{line}\n");
+    }
     for finding in all(&lab, &tests, &presets)? {
         whole.extend(finding);
     }

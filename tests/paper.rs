@@ -428,6 +428,14 @@ fn what_is_wrong_is_named() {
         (vec!["paper", "step", "--preset", "defualt"], "did you mean \"default\""),
         (vec!["paper", "step", "--set", "controller.kp=1"], "controller.k_p"),
         (vec!["paper", "step", "--set", "controller.k_p=fast"], "wanted a number"),
+        (
+            vec!["paper", "driver", "--set", "controller.name=pid"],
+            "wanted none: the tests drive adaptive, classic, pid",
+        ),
+        (
+            vec!["paper", "step", "--set", "controller.k_i=1"],
+            "other laws than those that are driven: classic, adaptive",
+        ),
         (vec!["paper", "driver", "--driver", "/no/such/file.csv"], "/no/such/file.csv"),
         (vec!["paper", "driver", "--driver", &bad_file], "bad.csv:3"),
     ] {
@@ -456,6 +464,28 @@ fn settings_reach_the_laws_that_have_them() {
     };
     assert_eq!(of(&plain, ",classic,"), of(&epsilon, ",classic,"), "classic has no epsilon");
     assert_ne!(of(&plain, ",adaptive,"), of(&epsilon, ",adaptive,"));
+}
+
+/// A gain that several laws have is set on all of them, and the rest is told.
+#[test]
+fn settings_reach_every_law_of_a_recording() {
+    let dir = folder();
+    let set = |setting: &str| {
+        let out = dir.path().join(setting);
+        let mut command = command();
+        command.args(["paper", "disturb", "--preset", "default", "--set", setting, "-o"]).arg(&out);
+        let said = String::from_utf8(command.assert().success().get_output().stdout.clone()).unwrap();
+        (said, fs::read_to_string(out.join("results.csv")).unwrap())
+    };
+    let ((nothing, plain), (said, gain)) = (set("sumo.seed=23423"), set("controller.k_p=0.7"));
+    let line = "controller.k_p=0.7: for adaptive, classic, pid, calibrating, smith_pi; not a key of lqi, mpc";
+    assert!(said.contains(line) && !nothing.contains("not a key of"), "{said}");
+    for law in ["classic", "adaptive", "calibrating", "pid", "smith_pi", "lqi", "mpc"] {
+        let of = |text: &str| -> Vec<String> {
+            text.lines().filter(|l| l.contains(&format!(",{law},"))).map(str::to_owned).collect()
+        };
+        assert_eq!(of(&plain) != of(&gain), !["lqi", "mpc"].contains(&law), "{law}");
+    }
 }
 
 /// The program carries the scenario files, so that it works outside a clone.

@@ -2,8 +2,9 @@
 //! bank are rejected as part of F (Section 2). Every controller of the registry that drives a body is tried, and every disturbance
 //! under which the preset's torque and the tyres can do what the sinusoid asks for.
 
+use super::compared::every_law;
 use super::error::PaperError;
-use super::lab::{Finding, Lab, SEEDS, every_law};
+use super::lab::{Finding, Lab, SEEDS};
 use super::library::Preset;
 use super::row::{Row, Rows};
 use crate::figure::{Bars, Figure};

@@ -1,8 +1,9 @@
 //! A driver's recording as the reference (Sections 5.3 and 5.4): mean, standard deviation and RMS of the error, without and
 //! with 250 ms between command and torque, straight and along the reconstructed path.
 
+use super::compared::{CONTROLLERS, every_law};
 use super::error::PaperError;
-use super::lab::{CONTROLLERS, Finding, Lab, SEEDS, every_law};
+use super::lab::{Finding, Lab, SEEDS};
 use super::library::{DEFAULT, Preset};
 use super::row::{Row, Rows};
 use super::series::Series;

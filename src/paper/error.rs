@@ -31,6 +31,14 @@ pub enum PaperError {
     /// A test or preset that does not exist.
     #[error(transparent)]
     Unknown(#[from] UnknownName),
+    /// A setting of the command line that no test can have.
+    #[error("{shown}: {what}")]
+    Setting {
+        /// The argument.
+        shown: String,
+        /// What is wrong.
+        what: String,
+    },
     /// The scenario.
     #[error(transparent)]
     #[diagnostic(transparent)]

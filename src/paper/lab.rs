@@ -3,17 +3,9 @@
 use super::library::Library;
 use super::row::Row;
 use super::series::Series;
-use crate::control;
 use crate::figure::Figure;
 use crate::page::TableView;
 use std::path::PathBuf;
-
-/// The controllers that the paper compares.
-pub const CONTROLLERS: [&str; 2] = ["classic", "adaptive"];
-/// Every law that drives a body, those that are not the paper's included.
-pub fn every_law() -> impl Iterator<Item = &'static str> {
-    control::CONTROLLERS.iter().map(|entry| entry.name).filter(|name| *name != "ideal")
-}
 
 /// Seeds of the noise.
 pub const SEEDS: usize = 20;

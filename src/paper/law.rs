@@ -1,8 +1,9 @@
 //! A law behind the step test: where the torque scale b is far below α, the overshoots of the adaptive and the classic law
 //! are in the ratio 2·√(Δt/T), whatever mass, K_P, α and torque limit. `docs/overshoot-ratio.md` derives it; here it is measured.
 
+use super::compared::CONTROLLERS;
 use super::error::PaperError;
-use super::lab::{CONTROLLERS, Finding, Lab};
+use super::lab::{Finding, Lab};
 use super::library::Preset;
 use super::results::Results;
 use super::row::Rows;

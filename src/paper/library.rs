@@ -1,6 +1,7 @@
 //! The scenario files of the experiments. Each is a fragment of a scenario; one experiment is put together from
 //! `vehicle.toml`, a preset, the test and what `--set` says, later ones winning.
 
+use super::compared::{CONTROLLERS as PAPERS, every_law};
 use super::error::{PaperError, write};
 use crate::control::CONTROLLERS;
 use crate::registry::{UnknownName, find, nearest};
@@ -46,9 +47,6 @@ const CARRIED: &[(&str, &str)] = carried![
 pub fn carried(name: &str) -> Option<&'static str> {
     CARRIED.iter().find(|(carried, _)| *carried == name).map(|(_, text)| *text)
 }
-
-/// The controllers that a preset's `[controller]` is for; the others keep their own tuning.
-const MODEL_FREE: [&str; 2] = ["classic", "adaptive"];
 
 /// The preset whose settings are those that the product ships with.
 pub const DEFAULT: &str = "default";
@@ -142,21 +140,53 @@ impl Library {
         }
         let [vehicle, test] = <[_; 2]>::try_from(settings).expect("two files were read");
         let chosen = Override::text("controller", "controller.name", controller);
-        let mine = |settings: &[Override]| -> Vec<Override> {
-            settings.iter().filter(|given| concerns(controller, &given.path)).cloned().collect()
+        let those_for = |laws: &[&str], settings: &[Override]| -> Vec<Override> {
+            settings.iter().filter(|given| concerns(laws, controller, &given.path)).cloned().collect()
         };
         let files = [vehicle, preset.settings.clone(), test].concat();
-        let overrides = [vec![chosen], mine(&files), more.to_vec(), mine(&self.sets)].concat();
+        let every_law: Vec<&str> = every_law().collect();
+        let overrides =
+            [vec![chosen], those_for(&PAPERS, &files), more.to_vec(), those_for(&every_law, &self.sets)].concat();
         Ok(Scenario::load_offline(&Request { scenario: None, overrides }, &Catalog::installed())?)
+    }
+
+    /// Which of the laws that are driven the command line's settings of `[controller]` reach: a line for each that is not
+    /// for all of them.
+    ///
+    /// # Errors
+    /// [`PaperError::Setting`] if one chooses the law, or is for none of them though another law has the key.
+    pub fn reached(&self, driven: &[&str]) -> Result<Vec<String>, PaperError> {
+        let mut lines = Vec::new();
+        for given in &self.sets {
+            let Some(key) = given.path.strip_prefix("controller.") else { continue };
+            let refused = |what: String| Err(PaperError::Setting { shown: given.shown.clone(), what });
+            let (with, without): (Vec<&str>, Vec<&str>) = driven.iter().partition(|law| has(law, key));
+            if key == "name" {
+                return refused(format!(
+                    "found a choice of the law, wanted none: the tests drive {}",
+                    driven.join(", ")
+                ));
+            }
+            if with.is_empty() && every_law().any(|law| has(law, key)) {
+                return refused(format!("found a key of other laws than those that are driven: {}", driven.join(", ")));
+            }
+            if !with.is_empty() && !without.is_empty() {
+                lines.push(format!("{}: for {}; not a key of {}", given.shown, with.join(", "), without.join(", ")));
+            }
+        }
+        Ok(lines)
     }
 }
 
-/// False for a key of the model-free laws that `controller` does not have: it is meant for the others.
-fn concerns(controller: &str, path: &str) -> bool {
+/// Whether a setting that is meant for `laws` is one for `controller`: not if that does not have the key and another one
+/// does.
+fn concerns(laws: &[&str], controller: &str, path: &str) -> bool {
     let Some(key) = path.strip_prefix("controller.") else { return true };
-    let has =
-        |name: &str| find("controller", &CONTROLLERS, name).is_ok_and(|entry| entry.keys.iter().any(|k| k.name == key));
-    if MODEL_FREE.contains(&controller) { has(controller) || !MODEL_FREE.iter().any(|n| has(n)) } else { false }
+    laws.contains(&controller) && (has(controller, key) || !laws.iter().any(|law| has(law, key)))
+}
+
+fn has(controller: &str, key: &str) -> bool {
+    find("controller", &CONTROLLERS, controller).is_ok_and(|entry| entry.keys.iter().any(|known| known.name == key))
 }
 
 /// Writes the program's own copy of the files.

@@ -1,7 +1,8 @@
 //! A sinusoid of position (Section 5.2): the first oscillation's overshoot and where the error has converged.
 
+use super::compared::CONTROLLERS;
 use super::error::PaperError;
-use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
+use super::lab::{Finding, Lab, SEEDS};
 use super::library::Preset;
 use super::row::{Row, Rows, SHORT_SINE};
 use super::series::Series;

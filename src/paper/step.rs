@@ -1,7 +1,8 @@
 //! Steps of position (Section 5.1): overshoot and undershoot of each step, where it settles, and how long α̂ stays nominal.
 
+use super::compared::CONTROLLERS;
 use super::error::PaperError;
-use super::lab::{CONTROLLERS, Finding, Lab, SEEDS};
+use super::lab::{Finding, Lab, SEEDS};
 use super::library::Preset;
 use super::published::published;
 use super::row::{Row, Rows};
