@@ -30,8 +30,8 @@ pub mod tally;
 mod verdict;
 
 use crate::output::{write_json, write_table};
-use crate::run::{FileSchema, Schema};
 use crate::registry::{Entry, find};
+use crate::run::{FileSchema, Schema};
 use crate::scenario::Override;
 pub use demand::Demand;
 pub use error::{PaperError, write};

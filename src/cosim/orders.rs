@@ -184,7 +184,8 @@ impl<S: Sumo> Hand<'_, S> {
         ordered.retain(|(other, _)| other.name != key.name);
         ordered.extend(text.map(|text| (key, text.to_owned())));
         let parameters = [&ego.parameters[..], &ordered].concat();
-        let setup = self.admission.vehicle(id, &ego.type_id, ego.group, &parameters, block.speed_mps(ego.slot.lane()))?;
+        let setup =
+            self.admission.vehicle(id, &ego.type_id, ego.group, &parameters, block.speed_mps(ego.slot.lane()))?;
         block.change(ego.slot.lane(), &setup);
         ego.ordered_parameters = ordered;
         self.orders.parameters.insert(ego.id().clone());

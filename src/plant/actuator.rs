@@ -256,7 +256,11 @@ mod tests {
         respond(&mut actuators, &[1.0, 2.0, 3.0, 4.0, 5.0]);
         actuators.change(0, 0.06, 0.0, 1e9, 1e9);
         let mut torques = [6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0].map(|t| actuators.step(&[t; LANES], &GAIN).torque_nm);
-        assert_eq!(torques.map(|t| t[0]), [2.0, 2.0, 2.0, 3.0, 4.0, 5.0, 6.0], "the oldest known, then each in its turn");
+        assert_eq!(
+            torques.map(|t| t[0]),
+            [2.0, 2.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+            "the oldest known, then each in its turn"
+        );
         assert_eq!(torques.map(|t| t[1]), [5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0], "another slot is as it was");
         actuators.change(0, 0.0, 0.0, 12.0, 1e9);
         torques[0] = actuators.step(&[13.0; LANES], &GAIN).torque_nm;

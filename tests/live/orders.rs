@@ -69,6 +69,10 @@ async fn torques_and_parameters_act_from_the_next_step_on() {
     assert_eq!(speed_mps, 0.0, "with its own again");
     let result = session.finish().await.unwrap();
     for what in ["references", "torque disturbances", "mfc.* parameters"] {
-        assert!(result.notes.iter().any(|note| note.starts_with(&format!("{what} of 1 vehicle"))), "{:?}", result.notes);
+        assert!(
+            result.notes.iter().any(|note| note.starts_with(&format!("{what} of 1 vehicle"))),
+            "{:?}",
+            result.notes
+        );
     }
 }
