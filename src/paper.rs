@@ -195,7 +195,7 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
         write(&dir.join(name), text)?;
     }
     let results = Results { rows: whole.rows.clone(), text: whole.text.clone() };
-    write_table(&dir.join("results.csv"), &results::layout(), &results.lines())?;
+    write(&dir.join("results.csv"), &results.to_csv())?;
     write_table(&dir.join("counts.csv"), &tally::layout(), &results.counts())?;
     write_json(&dir.join("schema.json"), &schema())?;
     let page = page::page(&request.test, lab, presets, &results, &whole)?;

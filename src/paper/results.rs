@@ -136,6 +136,23 @@ impl Results {
         };
         self.rows.iter().map(line).collect()
     }
+
+    /// As `results.csv`. Small numbers have all their zeros, as they always had in this table.
+    pub fn to_csv(&self) -> String {
+        let names: Vec<String> = layout().shape.columns.into_iter().map(|column| column.name).collect();
+        let mut csv = names.join(",") + "\n";
+        let number = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
+        for row in self.lines() {
+            let ResultRow { test, preset, noise, controller, quantity, unit, .. } = &row;
+            let [value, spread, published] = [row.value, row.spread, row.published].map(number);
+            let verdict = row.verdict.as_deref().unwrap_or_default();
+            let _ = writeln!(
+                csv,
+                "{test},{preset},{noise},{controller},{quantity},{value},{spread},{unit},{published},{verdict}"
+            );
+        }
+        csv
+    }
 }
 
 record! {
