@@ -27,7 +27,7 @@ test: setup-test ## All tests, examples and documentation tests, on real SUMO 1.
 dist: ## A static Linux program with manual pages, completions and a list of its parts, packed into target/dist/
 	.ci/dist
 
-wheel: ## The Python package as a wheel: target/python/wheels/ (needs python3 with venv)
+wheel: ## The Python package as a wheel for manylinux_2_28: target/python/wheels/ (needs python3 with venv)
 	@.ci/python wheel
 
 bytes: setup-test ## Compare the bytes of eight simulations and the paper's tests with the recorded ones

@@ -88,6 +88,7 @@ pub fn main_of(call: &Call) -> u8 {
         Command::SlurmTask(args) => study::slurm_task(&args, call),
     };
     done.unwrap_or_else(|report| {
+        call.failed.iter().for_each(|failed| failed(&report));
         eprintln!("{report:?}");
         FAILURE
     })

@@ -33,7 +33,9 @@ mod leader;
 #[cfg(feature = "libsumo")]
 mod libsumo_link;
 mod link;
+mod newcomers;
 mod observation;
+mod orders;
 mod places;
 mod platoon;
 mod plausible;
@@ -57,6 +59,7 @@ pub use events::Events;
 #[cfg(feature = "libsumo")]
 pub use libsumo_link::LibsumoLink;
 pub use link::Link;
+pub use orders::{Hand, OrderError, Orders};
 pub use places::Place;
 pub use platoon::StringGain;
 pub use question::{Gets, NoAnswer, Object, Question, With};

@@ -30,8 +30,9 @@ pub mod step;
 pub mod tally;
 mod verdict;
 
-use crate::output::write_table;
+use crate::output::{write_json, write_table};
 use crate::registry::{Entry, find};
+use crate::run::{FileSchema, Schema};
 use crate::scenario::Override;
 pub use compared::{CONTROLLERS, every_law};
 pub use demand::Demand;
@@ -44,10 +45,11 @@ use std::sync::OnceLock;
 pub use verdict::Verdict;
 
 /// What the command leaves in its folder: name, meaning, when.
-pub const FILES: [[&str; 3]; 8] = [
+pub const FILES: [[&str; 3]; 9] = [
     ["index.html", "The figures and tables of the paper beside ours, with a verdict for every number", "always"],
     ["results.csv", "Every number: test, preset, controller, ours, the paper's, verdict", "always"],
     ["counts.csv", "How many of the paper's numbers, facts and claims came out, by preset and recording", "always"],
+    ["schema.json", "What the columns of these two tables are", "always"],
     ["figures/", "The figures of the page, as SVG", "always"],
     ["series/", "The curves of the figures, as CSV", "always"],
     ["scenarios/", "The scenarios of the tests, to be changed", "unless the working directory has `scenarios/paper`"],
@@ -186,6 +188,12 @@ pub fn record(dir: &Path, seed: u64) -> Result<(PathBuf, Vec<Demand>), PaperErro
     Ok((file, std::iter::once(mine).chain(demand::all()).collect()))
 }
 
+/// What the columns of the tables are.
+pub fn schema() -> Schema {
+    let (results, counts) = (results::layout().shape, tally::layout().shape);
+    Schema::new([("results.csv", FileSchema::of_table(&results)), ("counts.csv", FileSchema::of_table(&counts))])
+}
+
 fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) -> Result<Results, PaperError> {
     let dir = &request.out_dir;
     for series in &whole.series {
@@ -200,6 +208,7 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
     let results = Results { rows: whole.rows.clone(), text: whole.text.clone() };
     write(&dir.join("results.csv"), &results.to_csv())?;
     write_table(&dir.join("counts.csv"), &tally::layout(), &results.counts())?;
+    write_json(&dir.join("schema.json"), &schema())?;
     let page = page::page(&request.test, lab, presets, &results, &whole)?;
     write(&dir.join("index.html"), &page)?;
     Ok(results)

@@ -10,7 +10,7 @@ use sumo_mfc::stability::{margin_layout, string_layout, sweep_layout};
 use sumo_mfc::study::study_schema;
 
 /// The tables in the order of the page.
-const FILES: [&str; 13] = [
+const FILES: [&str; 15] = [
     "vehicles.csv",
     "quality.csv",
     "trace.csv",
@@ -20,6 +20,8 @@ const FILES: [&str; 13] = [
     "cases.csv",
     "comparison.csv",
     "vehicles.parquet",
+    "results.csv",
+    "counts.csv",
     "tune.csv",
     "margins.csv",
     "strings.csv",
@@ -36,6 +38,7 @@ fn page() -> String {
     let names = ["margins.csv", "strings.csv", "sweep.csv"];
     let stability = Schema::new(names.into_iter().zip(shapes.each_ref().map(FileSchema::of_table)));
     let stability = serde_json::to_value(stability).unwrap();
+    let paper = serde_json::to_value(sumo_mfc::paper::schema()).unwrap();
     let mut page = String::from(
         "# Columns of the result files\n\n\
          `schema.json` in every result folder says the same about the files beside it. An empty field (in JSON `null`) is no\n\
@@ -43,7 +46,7 @@ fn page() -> String {
          This page is made by `UPDATE=1 cargo test --test columns`.\n",
     );
     for name in FILES {
-        let file = [&run, &study, &tune, &stability].into_iter().find_map(|schema| schema["files"].get(name));
+        let file = [&run, &study, &paper, &tune, &stability].into_iter().find_map(|schema| schema["files"].get(name));
         let file = file.unwrap_or_else(|| panic!("no {name} in the schemas"));
         let (heading, columns) = if let Value::Array(columns) = &file["columns"] {
             ("column", columns)

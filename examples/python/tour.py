@@ -45,6 +45,15 @@ with sumo_mfc.Simulation("my.sumocfg", controller="pid", end=60) as sim:
             print(sim.time, sim.ids[abs(sim.error).argmax()], sim.torque.max())
 print(sim.result.summary["counts"])
 
+with sumo_mfc.Simulation("my.sumocfg", controller="pid", end=60) as sim:
+    while sim.step():
+        if sim.time == 40:
+            slow = [id for id, speed in zip(sim.ids, sim.speed) if speed > 5.0][:3]
+            sim.set_reference(slow, 4.0)                             # m/s; None gives them back
+            sim.set_torque_disturbance(slow[0], -300.0)              # N·m on the wheels; 0 ends it
+            sim.set_parameter(slow[1], "mfc.mass_factor", 1.5)       # as a <param> of the demand
+print(sim.result.notes)
+
 import threading
 
 
@@ -85,6 +94,9 @@ print(f"{body.time:.2f} s, {body.distance:.1f} m, slips {body.slip}")
 force = sumo_mfc.tyre_force(np.linspace(-0.3, 0.3, 61), b=10, c=1.65, e=0.5)
 f_hat = sumo_mfc.ultra_local_f(10 + 0.5 * time, np.zeros_like(time), window=2.0, period=0.5)
 print(force.max(), f_hat[-1])
+
+paper = sumo_mfc.paper("step", preset="default", quiet=True)
+print(polars.DataFrame(paper.results).drop_nulls("published").select("controller", "quantity", "value", "published", "verdict"))
 
 try:
     sumo_mfc.run("my.sumocfg", controller="adaptiv")

@@ -1,7 +1,7 @@
 //! The command line, and what of it needs no run.
 
 use crate::controller::catalog;
-use crate::error::raised;
+use crate::error::{first_line, raised, spans};
 use pyo3::prelude::*;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -10,12 +10,19 @@ use sumo_mfc::report::{Request, report as write};
 use sumo_mfc::study::Program;
 
 /// Does what `sumo-mfc ARGUMENTS` does, and returns the exit code. `program` are the words that start this program again,
-/// for the cases of studies. Takes the process's signals for itself.
+/// for the cases of studies. An error that ends it is also written into `errors`, if that is given, as JSON: its message, and the
+/// places in files that it points to. Takes the process's signals for itself.
 #[pyfunction]
-pub fn main(py: Python<'_>, arguments: Vec<OsString>, program: Vec<OsString>) -> u8 {
+#[pyo3(signature = (arguments, program, errors=None))]
+pub fn main(py: Python<'_>, arguments: Vec<OsString>, program: Vec<OsString>, errors: Option<PathBuf>) -> u8 {
     let mut words = program.into_iter();
     let program = words.next().map(|file| Program::new(PathBuf::from(file), words.collect()));
-    py.detach(|| main_of(&Call { program, arguments, catalog: &catalog() }))
+    let note = move |report: &miette::Report| {
+        let told = serde_json::json!({ "message": first_line(report), "spans": spans(report.as_ref()) });
+        // Without the file the error has its text all the same.
+        let _ = errors.as_ref().map(|file| std::fs::write(file, told.to_string()));
+    };
+    py.detach(|| main_of(&Call { program, arguments, catalog: &catalog(), failed: Some(&note) }))
 }
 
 /// What scenarios can choose from: (kind, name, summary), as `sumo-mfc list`.

@@ -16,12 +16,11 @@ pyo3::create_exception!(
 /// An error of any part of the library.
 pub fn raised(error: impl Into<Report>) -> PyErr {
     let report = error.into();
-    let message = report.to_string();
-    let text = if report.downcast_ref::<Usage>().is_some() { message.clone() } else { drawn(&report) };
+    let text = if report.downcast_ref::<Usage>().is_some() { report.to_string() } else { drawn(&report) };
     Python::attach(|py| {
         let error = Error::new_err(text);
         let value = error.value(py);
-        let _ = value.setattr("message", message.lines().next().unwrap_or_default());
+        let _ = value.setattr("message", first_line(&report));
         let _ = value.setattr("spans", spans(&*report));
         error
     })
@@ -42,8 +41,13 @@ fn drawn(report: &Report) -> String {
     }
 }
 
+/// The message without what explains it.
+pub fn first_line(report: &Report) -> String {
+    report.to_string().lines().next().unwrap_or_default().to_owned()
+}
+
 /// File, line and column of every label, those of related errors included.
-fn spans(report: &dyn Diagnostic) -> Vec<(String, usize, usize)> {
+pub fn spans(report: &dyn Diagnostic) -> Vec<(String, usize, usize)> {
     let labels = report.labels().into_iter().flatten();
     let own = labels.filter_map(|label| {
         let found = report.source_code()?.read_span(label.inner(), 0, 0).ok()?;

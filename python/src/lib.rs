@@ -8,6 +8,7 @@ mod parts;
 mod plan;
 mod session;
 mod table;
+mod views;
 
 use pyo3::prelude::*;
 

@@ -1,14 +1,17 @@
-//! A run step by step, between whose steps Python looks at the egos.
+//! A run step by step, between whose steps Python looks at the egos and gives orders.
 
 use crate::error::{plain, raised};
 use crate::plan::Plan;
-use numpy::{PyArray1, PyArrayMethods};
+use crate::views::Views;
+use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::PyTuple;
 use rayon::ThreadPool;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
-use sumo_mfc::run::{self, RunError, RunResult, TraceRow, terminal_text};
+use sumo_mfc::cosim::OrderError;
+use sumo_mfc::run::{self, RunError, RunResult, terminal_text};
 use tokio::runtime::Runtime;
 
 /// How often Python's signals are looked after while SUMO computes.
@@ -20,7 +23,7 @@ pub struct Session {
     /// Behind a lock because laws and open files stay in one thread at a time; in a box because columns are aligned
     /// for vectors, which Python's memory does not heed.
     session: Mutex<Option<Box<run::Session>>>,
-    egos: Vec<TraceRow>,
+    views: Views,
     pool: ThreadPool,
     runtime: Runtime,
 }
@@ -48,12 +51,12 @@ impl Session {
         let open =
             || runtime.block_on(unless_signalled(run::Session::open(&planned.scenario, &planned.options.session)));
         let session = py.detach(|| pool.install(open))?;
-        Ok(Self { session: Mutex::new(Some(Box::new(session))), egos: Vec::new(), pool, runtime })
+        Ok(Self { session: Mutex::new(Some(Box::new(session))), views: Views::new(py), pool, runtime })
     }
 
     /// One step. False if the run was over before it, and nothing was done.
     fn step(&mut self, py: Python<'_>) -> PyResult<bool> {
-        let Self { session, egos, pool, runtime } = self;
+        let Self { session, views, pool, runtime } = self;
         let session = session.get_mut().unwrap_or_else(PoisonError::into_inner);
         let Some(open) = session else { return Err(plain(RunError::Ended)) };
         if open.is_over() {
@@ -65,7 +68,7 @@ impl Session {
             *session = None;
             return Err(error);
         }
-        *egos = open.egos().collect();
+        views.fill(py, &open.egos().collect::<Vec<_>>())?;
         Ok(true)
     }
 
@@ -88,36 +91,37 @@ impl Session {
 
     /// The ids of the egos on the road.
     #[getter]
-    fn ids(&self) -> Vec<String> {
-        self.egos.iter().map(|ego| ego.id.to_string()).collect()
+    fn ids<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        self.views.ids(py)
     }
 
     /// A number of every ego on the road, in the order of the ids: a column of `trace.csv`, or `error`.
-    fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let read: fn(&TraceRow) -> f64 = match name {
-            "target" => |ego| ego.target,
-            "reference" => |ego| ego.reference,
-            "speed" => |ego| ego.speed,
-            "error" => |ego| ego.speed - ego.reference,
-            "measured_speed" => |ego| ego.measured_speed,
-            "lateral_speed" => |ego| ego.lateral_speed,
-            "yaw_rate" => |ego| ego.yaw_rate,
-            "slip_front" => |ego| ego.slip_front,
-            "slip_rear" => |ego| ego.slip_rear,
-            "torque" => |ego| ego.torque,
-            "alpha_hat" => |ego| ego.alpha_hat,
-            "f_hat" => |ego| ego.f_hat,
-            "distance" => |ego| ego.distance,
-            other => return Err(plain(format!("found the column {other}, wanted one of numbers of trace.csv"))),
-        };
-        let array = PyArray1::from_vec(py, self.egos.iter().map(read).collect());
-        array.readwrite().make_nonwriteable();
-        Ok(array)
+    fn column<'py>(&mut self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        self.views.column(py, name)
+    }
+
+    /// An ego is to drive at this speed (m/s) from the next step on; None gives it back to its target.
+    fn set_reference(&mut self, id: &str, speed_mps: Option<f64>) -> PyResult<()> {
+        self.order(|session| session.set_reference(id, speed_mps))
+    }
+
+    /// A torque (N·m) acts on the wheels of an ego beside that of the actuators, from the next step on.
+    fn set_torque_disturbance(&mut self, id: &str, torque_nm: f64) -> PyResult<()> {
+        self.order(|session| session.set_torque_disturbance(id, torque_nm))
+    }
+
+    /// An ego has another value of a `mfc.*` parameter from the next step on; None takes that back.
+    fn set_parameter(&mut self, id: &str, name: &str, value: Option<&str>) -> PyResult<()> {
+        self.order(|session| session.set_parameter(id, name, value))
     }
 }
 
 impl Session {
     fn open(&mut self) -> &mut Option<Box<run::Session>> {
         self.session.get_mut().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn order(&mut self, order: impl FnOnce(&mut run::Session) -> Result<(), OrderError>) -> PyResult<()> {
+        order(self.open().as_mut().ok_or_else(|| plain(RunError::Ended))?).map_err(plain)
     }
 }

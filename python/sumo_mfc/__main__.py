@@ -1,4 +1,8 @@
-"""The command ``sumo-mfc``, also as ``python -m sumo_mfc``; ``--load FILE`` in front of its arguments loads controllers."""
+"""The command ``sumo-mfc``, also as ``python -m sumo_mfc``.
+
+In front of its arguments ``--load FILE`` loads controllers, and ``--errors FILE`` is where an error leaves the places that it points
+to.
+"""
 
 import signal
 import sys
@@ -8,9 +12,12 @@ from . import _controllers, _core, _sumo
 
 def main() -> int:
     """Does what the command line asks for, and returns the exit code."""
-    words, files = sys.argv[1:], []
-    while words[:1] == ["--load"] and len(words) > 1:
-        files.append(words[1])
+    words, files, errors = sys.argv[1:], [], None
+    while words[:1] in (["--load"], ["--errors"]) and len(words) > 1:
+        if words[0] == "--load":
+            files.append(words[1])
+        else:
+            errors = words[1]
         words = words[2:]
     try:
         for file in files:
@@ -21,7 +28,7 @@ def main() -> int:
     # The command looks after signals itself; Python would answer Ctrl-C a second time.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     _sumo.find()
-    return _core.main(words, _sumo.command(files))
+    return _core.main(words, _sumo.command(files), errors)
 
 
 if __name__ == "__main__":

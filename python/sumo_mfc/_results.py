@@ -124,6 +124,17 @@ class Study(Folder):
 class Paper(Folder):
     """The paper's experiments, reproduced."""
 
+    @property
+    def results(self) -> Table:
+        """One row per number that came out: test, preset, controller, quantity, value, the published value where there is one, and the
+        verdict (``results.csv``)."""
+        return self.table("results")
+
+    @property
+    def counts(self) -> Table:
+        """One row per preset and recording: how many of the paper's numbers, facts and claims came out (``counts.csv``)."""
+        return self.table("counts")
+
 
 def open_result(dir: str | os.PathLike[str]) -> Result | Study:
     """Opens the folder of a run, a comparison or a sweep."""

@@ -1,9 +1,11 @@
 """Runs, studies, reports: what the command line does, with results as objects."""
 
+import json
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -121,7 +123,8 @@ def paper(
     """Reproduces an experiment of the paper, without SUMO: ``step``, ``sine``, ``driver``, ``delay``, ``disturb``, ``map``, or
     ``all`` but the map.
 
-    ``options`` are those of ``sumo-mfc paper``: ``preset="default"``. Figures, tables and ``index.html`` are in ``dir``.
+    ``options`` are those of ``sumo-mfc paper``: ``preset="default"``. ``results`` has every number beside the published one with its
+    verdict, ``counts`` how many came out; figures and ``index.html`` are in ``dir``.
     """
     folder, keep = place(out)
     text = call(["paper", *arguments(test, {**options, "out": folder})], quiet)
@@ -131,9 +134,14 @@ def paper(
 def call(words: Sequence[str], quiet: bool) -> str:
     """Runs the command line as a process, and returns what it prints; what it tells goes to stderr."""
     _sumo.find()
+    with tempfile.TemporaryDirectory(prefix="sumo-mfc-") as folder:
+        return _call(words, quiet, Path(folder) / "error.json")
+
+
+def _call(words: Sequence[str], quiet: bool, errors: Path) -> str:
     told: list[str] = []
     with subprocess.Popen(
-        [*_sumo.command(_controllers.files(words)), *words],
+        [*_sumo.command(_controllers.files(words)), "--errors", str(errors), *words],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -161,11 +169,15 @@ def call(words: Sequence[str], quiet: bool) -> str:
             raise
         listener.join()
     if code != 0:
-        raise _failed("".join(told).strip() or f"sumo-mfc has ended with {code}")
+        raise _failed("".join(told).strip() or f"sumo-mfc has ended with {code}", errors)
     return text
 
 
-def _failed(text: str) -> Error:
+def _failed(text: str, errors: Path) -> Error:
+    """The error of a process: all that it told, and what it left of its error; of wrong options it leaves nothing."""
     error = Error(text)
     error.message, error.spans = text.splitlines()[0], []
+    if errors.is_file():
+        left = json.loads(errors.read_text(encoding="utf-8"))
+        error.message, error.spans = left["message"], [(file, line, column) for file, line, column in left["spans"]]
     return error

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -60,6 +61,22 @@ def test_a_sweep_varies_keys_and_goes_on_where_it_was(straight: Path, tmp_path: 
 def test_errors_of_studies_are_exceptions(straight: Path, tmp_path: Path) -> None:
     with pytest.raises(sumo_mfc.Error, match='unknown controller "pod"'):
         sumo_mfc.compare(straight, ["ideal", "pod"], seeds=[1], end=5, quiet=True)
+    wrong = tmp_path / "wrong.toml"
+    config = straight.read_text().replace('config = "..', f'config = "{straight.parents[1]}')
+    wrong.write_text(config + "\n[actuator]\ndelay_ms = 20\n")
+    studies: list[Callable[[], object]] = [
+        lambda: sumo_mfc.run(wrong, quiet=True),
+        lambda: sumo_mfc.compare(wrong, ["ideal", "pid"], seeds=[1], end=5, quiet=True),
+        lambda: sumo_mfc.sweep(wrong, {"controller.name": ["ideal", "pid"]}, seeds=[1], end=5, quiet=True),
+    ]
+    found = []
+    for study in studies:
+        with pytest.raises(sumo_mfc.Error, match="unknown key .*delay_ms") as raised:
+            study()
+        found.append((raised.value.message, raised.value.spans))
+    message, [(file, line, column)] = found[0]
+    assert (Path(file).name, wrong.read_text().splitlines()[line - 1], column) == ("wrong.toml", "delay_ms = 20", 1)
+    assert found[1:] == [found[0]] * 2, "a study says what a run says"
     with pytest.raises(sumo_mfc.Error, match="2 cases failed") as raised:
         sumo_mfc.compare(straight, ["ideal", "pid"], seeds=[1], end=5, egos="id:nobody", out=tmp_path, quiet=True)
     assert raised.value.spans == []
@@ -83,6 +100,15 @@ def test_the_paper_is_reproduced() -> None:
     paper = sumo_mfc.paper("step", preset="default", quiet=True)
     # The figures that the README names, of the command line.
     assert "19.3" in paper.text.replace("19.30", "19.3") and (paper.dir / "index.html").is_file()
+    results = pa.table(paper.results)
+    assert results.num_rows == len((paper.dir / "results.csv").read_text().splitlines()) - 1
+    shown = results.to_pandas().query("preset == 'default' and test == 'step' and noise == 'off' and quantity == 'overshoot_1'")
+    shown = shown.set_index("controller")
+    assert shown.published.dropna().to_dict() == {"classic": 19.5, "adaptive": 8.0}
+    assert shown.verdict["classic"] == "reproduced" and abs(shown.value["classic"] - 19.3) < 0.1
+    assert paper.results.meanings["value"][1].startswith("Its value")
+    counts = dict(zip(paper.counts["preset"], paper.counts["numbers_driven"], strict=True))
+    assert counts == {"default": 6.0}
 
 
 def test_command_and_module_are_one() -> None:

@@ -16,12 +16,14 @@ pub struct Call<'a> {
     pub arguments: Vec<OsString>,
     /// What scenarios can choose from.
     pub catalog: &'a Catalog,
+    /// Is told of the error that ends the call, beside what is printed of it.
+    pub failed: Option<&'a (dyn Fn(&miette::Report) + Sync)>,
 }
 
 impl<'a> Call<'a> {
     /// The call that this process is.
     pub fn current(catalog: &'a Catalog) -> Self {
-        Self { program: None, arguments: std::env::args_os().skip(1).collect(), catalog }
+        Self { program: None, arguments: std::env::args_os().skip(1).collect(), catalog, failed: None }
     }
 
     /// The name of the program and its arguments.

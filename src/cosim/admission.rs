@@ -95,7 +95,8 @@ pub struct Departed {
     speed_mps: Option<f64>,
     /// SUMO's odometer \[m\].
     pub odometer_m: f64,
-    parameters: Vec<(&'static Key, String)>,
+    /// Its `mfc.*` parameters.
+    pub parameters: Vec<(&'static Key, String)>,
     /// Its driver imperfection, if that is changed.
     pub imperfection: Option<f64>,
     /// Its desired time headway, if that is changed \[s\].
@@ -178,6 +179,23 @@ impl Admission {
         Ok(newcomers)
     }
 
+    /// The vehicle of a known vType as it would be with these parameters in place of those that it departed with.
+    ///
+    /// # Errors
+    /// If a parameter is not what its key takes.
+    pub fn vehicle(
+        &self,
+        id: &str,
+        type_id: &str,
+        group: usize,
+        parameters: &[(&'static Key, String)],
+        speed_mps: f64,
+    ) -> Result<VehicleSetup, CosimError> {
+        let unknown = TypeFacts::default();
+        let facts = self.types.get(type_id).unwrap_or(&unknown);
+        self.rules.vehicle(id, facts, group, parameters, speed_mps).map(|(setup, _)| setup)
+    }
+
     async fn learn_types<S: Sumo>(&mut self, sumo: &mut S, vehicles: &[Departed]) -> Result<(), CosimError> {
         let unknown: BTreeSet<&str> =
             vehicles.iter().map(|v| v.type_id.as_str()).filter(|id| !self.types.contains_key(*id)).collect();
@@ -212,10 +230,8 @@ impl Admission {
             counters.unequipped += 1;
             return Ok(None);
         };
-        let Rules { groups, tyre_curves, seed, .. } = &self.rules;
-        let curve = tyre_curves[group].as_deref();
-        let (setup, usual_kg) =
-            bodies::vehicle(id, facts, &departed.parameters, &groups[group], curve, *seed, speed_mps)?;
+        let (setup, usual_kg) = self.rules.vehicle(id, facts, group, &departed.parameters, speed_mps)?;
+        let groups = &self.rules.groups;
         let has_body = groups[group].has_body();
         if has_body && !counters.beyond_body.contains_key(&departed.type_id) {
             let (asked, given) = ([facts.accel_mps2, facts.emergency_decel_mps2], setup.body.acceleration_max_mps2());
@@ -238,6 +254,19 @@ impl Admission {
 }
 
 impl Rules {
+    /// A vehicle of a group, and the mass that it has by preset and vType alone \[kg\].
+    fn vehicle(
+        &self,
+        id: &str,
+        facts: &TypeFacts,
+        group: usize,
+        parameters: &[(&'static Key, String)],
+        speed_mps: f64,
+    ) -> Result<(VehicleSetup, f64), CosimError> {
+        let curve = self.tyre_curves[group].as_deref();
+        bodies::vehicle(id, facts, parameters, &self.groups[group], curve, self.seed, speed_mps)
+    }
+
     /// The group that takes a vehicle.
     fn group_of(&self, departed: &Departed, facts: &TypeFacts) -> Option<usize> {
         let id = &*departed.object.id;

@@ -26,6 +26,9 @@ pub fn undo<S: Sumo>(sumo: &mut S, ego: &Ego) -> Result<(), CosimError> {
     if let (Some(colour), Some(_)) = (ego.colour_before, ego.shade) {
         sumo.tell(&ego.object, Tell::Colour(colour))?;
     }
+    if ego.has_ordered_speed {
+        sumo.tell(&ego.object, Tell::ReleaseSpeed)?;
+    }
     if let Some(leader) = &ego.leader {
         leader.hand_back(sumo, &ego.object)?;
     }

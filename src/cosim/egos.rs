@@ -6,6 +6,7 @@ use super::platoon::Follower;
 use super::plausible::Watch;
 use super::question::Object;
 use crate::fleet::Slot;
+use crate::keys::Key;
 use crate::traci::Color;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -61,6 +62,12 @@ pub struct Ego {
     pub headway_s: Option<f64>,
     /// Driver imperfection before the scenario changed it.
     pub imperfection_before: Option<f64>,
+    /// Its `mfc.*` parameters in SUMO.
+    pub parameters: Vec<(&'static Key, String)>,
+    /// Those that a caller has set since, which count in their place.
+    pub ordered_parameters: Vec<(&'static Key, String)>,
+    /// SUMO drives it at a speed that a caller has set.
+    pub has_ordered_speed: bool,
     /// Its colour before it showed its error.
     pub colour_before: Option<Color>,
     /// The step of colour that it shows.

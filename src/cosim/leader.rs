@@ -59,6 +59,8 @@ pub struct Leader {
     pub limit_mps: f64,
     /// Whether its target keeps a gap to who is ahead.
     pub keeps_gap: bool,
+    /// The speed that a caller orders in place of the target [m/s].
+    pub ordered_mps: Option<f64>,
     /// Time lost so far \[s\].
     pub time_loss_s: f64,
     /// The speed that SUMO was told last [m/s].
@@ -78,6 +80,7 @@ impl Leader {
             before,
             limit_mps: speed_mps,
             keeps_gap: matches!(target, Target::Spacing(_)),
+            ordered_mps: None,
             time_loss_s: 0.0,
             command_mps: speed_mps,
             clamp_mps: None,
@@ -112,9 +115,11 @@ impl Leader {
     /// Sets what the body drives towards in the coming step: the limit, or the speed that SUMO clamped it to.
     pub fn set_target(&self, target: &Target, block: &mut Block, lane: usize, step_s: f64) {
         let free_mps = self.before.speed_max_mps.min(self.limit_mps * self.before.speed_factor);
-        let (limit_mps, bound) = match target {
-            Target::Profile(_) => (f64::INFINITY, Bound::Profile),
-            Target::Spacing(spacing) => {
+        block.set_ordered(lane, self.ordered_mps.is_some());
+        let (limit_mps, bound) = match (self.ordered_mps, target) {
+            (Some(ordered_mps), _) => (ordered_mps, Bound::Profile),
+            (None, Target::Profile(_)) => (f64::INFINITY, Bound::Profile),
+            (None, Target::Spacing(spacing)) => {
                 let speed_mps = block.speed_mps(lane);
                 let own = Own { speed_mps, accel_mps2: block.acceleration_mps2(lane), free_mps };
                 let ahead = self

@@ -5,7 +5,6 @@ use super::admission::{Admission, Newcomer, Wanted};
 use super::body_leads::BodyLeads;
 use super::changes;
 use super::chunk::{Chunk, blocks_of, share_out};
-use super::creep::Creep;
 use super::display::Display;
 use super::egos::{Ego, EgoTable, Presence};
 use super::error::CosimError;
@@ -14,10 +13,10 @@ use super::following::note_speeds;
 use super::lanes::Lanes;
 use super::leader::Leader;
 use super::link::Link;
+use super::newcomers::ego_of;
 use super::observation::EgoQuestion;
+use super::orders::{Hand, Orders};
 use super::places::{Place, places};
-use super::platoon::Follower;
-use super::plausible::Watch;
 use super::question::NoAnswer;
 use super::readings::{ReadingQuestion, Readings};
 use super::records::{Finished, Reason, Records};
@@ -56,6 +55,8 @@ pub struct World<S: Sumo = Link> {
     /// Egos that SUMO did not know any more.
     lost: Vec<Slot>,
     trace: (Trace, TraceRows),
+    /// What a caller has ordered for single vehicles.
+    orders: Orders,
     grade: bool,
     sigma: Option<f64>,
     display: Display,
@@ -120,6 +121,7 @@ impl<S: Sumo> World<S> {
             newcomers: Vec::new(),
             lost: Vec::new(),
             trace: (setup.trace.0, rows),
+            orders: Orders::default(),
             grade: setup.grade,
             sigma: setup.sigma,
             display: setup.display,
@@ -177,7 +179,7 @@ impl<S: Sumo> World<S> {
 
     /// Gives a slot and a body to every vehicle that has departed and is to be an ego.
     async fn admit_newcomers(&mut self) -> Result<(), CosimError> {
-        for Newcomer { departed, group, action_step_s, headway_s, setup } in
+        for Newcomer { mut departed, group, action_step_s, headway_s, setup } in
             self.admission.decide(&mut self.sumo, &mut self.records.counters).await?
         {
             let speed_mps = setup.speed_mps;
@@ -185,35 +187,14 @@ impl<S: Sumo> World<S> {
             if let (TraceRows::Periods(periods), true) = (self.trace.1, self.trace.0.names(&departed.object.id)) {
                 self.fleet.block_mut(slot).watch(slot.lane(), periods);
             }
-            let before = departed.before.filter(|_| self.body_leads.in_group(group));
+            let before = departed.before.take().filter(|_| self.body_leads.in_group(group));
             let leader = before.map(|before| Box::new(Leader::new(before, speed_mps, self.body_leads.target(group))));
             self.admitted.push(departed.object.id.clone());
             self.newcomers.push(slot);
-            let mut ego = Ego {
-                object: departed.object,
-                type_id: departed.type_id,
-                group,
-                slot,
-                // It was inserted at the end of the step before the one that it will move in.
-                depart_s: self.events.time_s - if self.steps > 0 { self.step_s } else { 0.0 },
-                presence: Presence::Driving,
-                teleported: false,
-                carried: false,
-                lane: departed.lane.unwrap_or_default(),
-                odometer_offset_m: departed.odometer_m,
-                odometer_gap_m: None,
-                road: None,
-                leader,
-                keeps_plan: action_step_s > 1.5 * self.step_s,
-                follower: Follower::default(),
-                creep: Creep::default(),
-                watch: Watch::default(),
-                headway_before_s: departed.headway_s,
-                headway_s,
-                imperfection_before: departed.imperfection,
-                colour_before: departed.colour,
-                shade: None,
-            };
+            // It was inserted at the end of the step before the one that it will move in.
+            let depart_s = self.events.time_s - if self.steps > 0 { self.step_s } else { 0.0 };
+            let keeps_plan = action_step_s > 1.5 * self.step_s;
+            let mut ego = Ego { keeps_plan, leader, headway_s, ..ego_of(departed, (group, slot), depart_s) };
             if !ego.lane.is_empty() {
                 self.lanes.arrive(&mut ego, self.fleet.block_mut(slot));
             }
@@ -464,6 +445,17 @@ impl<S: Sumo> World<S> {
     /// Takes the ids of the egos that got a body since they were last taken.
     pub fn take_admitted(&mut self) -> Vec<Arc<str>> {
         std::mem::take(&mut self.admitted)
+    }
+
+    /// Takes one order for a single vehicle.
+    pub fn hand(&mut self) -> Hand<'_, S> {
+        let Self { sumo, fleet, egos, admission, orders, .. } = self;
+        Hand { sumo, fleet, egos, admission, orders }
+    }
+
+    /// For whom anything was ordered so far.
+    pub fn orders(&self) -> &Orders {
+        &self.orders
     }
 
     /// SUMO itself, to be asked for more between the steps.

@@ -1,6 +1,8 @@
 //! Sixteen vehicles side by side: their plant, controller, actuators, measurement and statistics, and the order in
 //! which these work in one control period.
 
+mod change;
+
 use super::course::{Course, Demand, Here};
 use super::driver::{Driver, Ramp, SumoStep};
 use super::follow::{Bound, Follow};
@@ -43,6 +45,8 @@ columns! {
             snapshots: Vec<(u32, usize, Snapshot)> = Vec::new(),
             /// The law of its group commands it, together with the others.
             pub(super) in_lockstep: bool = false,
+            /// Any slot has a disturbance.
+            is_disturbed: bool = false,
             pub(super) stopwatch: Stopwatch<3> = Stopwatch::new(false),
         }
         parts {
@@ -67,6 +71,10 @@ columns! {
             present: f64 = 0.0,
             held: f64 = 0.0,
             target_mps: f64 = 0.0,
+            /// 1 = the target is a caller's, and no profile is below it.
+            ordered: f64 = 0.0,
+            /// Torque that acts beside that of the actuators.
+            disturbance_nm: f64 = 0.0,
             reference_mps: f64 = 0.0,
             measured_mps: f64 = 0.0,
             clock_s: f64 = 0.0,
@@ -351,6 +359,7 @@ impl Block {
         let here = Here {
             present: &self.present,
             target_mps: &self.target_mps,
+            ordered: &self.ordered,
             speed_mps: &self.plant.vx_mps,
             distance_m: &self.plant.distance_m,
             clock_s: &self.clock_s,
@@ -382,7 +391,9 @@ impl Block {
             self.control(observation);
             self.stopwatch.lap(CONTROL);
             self.steering.angles_rad(demand.share, &self.plant.vx_mps, &mut self.inputs.steer_rad);
-            config.plant.advance(&mut self.plant, &self.inputs, moving, config.period_s);
+            let disturbed = self.is_disturbed.then(|| self.inputs.with_torque(&self.disturbance_nm));
+            let inputs = disturbed.as_ref().unwrap_or(&self.inputs);
+            config.plant.advance(&mut self.plant, inputs, moving, config.period_s);
             self.stand_still(demand, moving);
         } else {
             self.take_speeds(&demand.end_mps, moving, config.period_s);

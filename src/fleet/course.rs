@@ -18,6 +18,8 @@ pub(super) struct Demand {
 pub(super) struct Here<'b> {
     pub present: &'b Flags,
     pub target_mps: &'b Lanes,
+    /// 1 = the target alone counts.
+    pub ordered: &'b Flags,
     pub speed_mps: &'b Lanes,
     pub distance_m: &'b Lanes,
     pub clock_s: &'b Lanes,
@@ -67,7 +69,7 @@ fn targets(follow: Follow<'_>, here: &Here<'_>, ahead_s: f64) -> (Lanes, Lanes) 
         Follow::Profiles(profiles) => profiles,
         Follow::Traffic | Follow::Target => return (speed, rate),
     };
-    for i in (0..LANES).filter(|i| here.present[*i] > 0.0) {
+    for i in (0..LANES).filter(|i| here.present[*i] > 0.0 && here.ordered[*i] == 0.0) {
         let rolling_mps = here.speed_mps[i];
         let place_m = here.distance_m[i] + rolling_mps * ahead_s;
         let (wanted, wanted_rate) = profiles[i].at(place_m, here.clock_s[i] + ahead_s, rolling_mps);

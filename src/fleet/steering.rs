@@ -48,10 +48,15 @@ columns! {
 impl Steering {
     /// Prepares a slot for a body: wheelbase \[m\], understeer gradient [rad per m/s²], friction coefficient.
     pub fn set(&mut self, slot: usize, wheelbase_m: f64, understeer_s2_per_m: f64, friction: f64) {
+        self.refit(slot, wheelbase_m, understeer_s2_per_m, friction);
+        self.straighten(slot);
+    }
+
+    /// The body of a slot is another one; it stays on its road.
+    pub fn refit(&mut self, slot: usize, wheelbase_m: f64, understeer_s2_per_m: f64, friction: f64) {
         self.wheelbase_m[slot] = wheelbase_m;
         self.understeer_s2_per_m[slot] = understeer_s2_per_m;
         self.set_friction(slot, friction);
-        self.straighten(slot);
     }
 
     /// The road under the tyres has another friction coefficient.

@@ -5,6 +5,7 @@ use super::published::{Published, Weight, published};
 use super::row::{self, Row};
 use super::tally::{self, Tally, TallyRow};
 use super::verdict::Verdict;
+use crate::table::{Layout, record};
 use std::fmt::Write;
 
 /// A number that is further away than this factor is not even partly the published one.
@@ -119,26 +120,59 @@ impl Results {
         all.filter_map(|(preset, recording)| tally::row(preset, recording, &self.tally(preset, recording))).collect()
     }
 
-    /// As `results.csv`.
+    /// The rows of `results.csv`.
+    pub fn lines(&self) -> Vec<ResultRow> {
+        let line = |row: &Row| ResultRow {
+            test: row.test.clone(),
+            preset: row.preset.clone(),
+            noise: if row.noise { "on" } else { "off" },
+            controller: row.controller,
+            quantity: row.quantity,
+            value: row.value,
+            spread: row.spread,
+            unit: row.unit,
+            published: row.published().map(Published::number),
+            verdict: self.verdict(row).map(|verdict| verdict.to_string()),
+        };
+        self.rows.iter().map(line).collect()
+    }
+
+    /// As `results.csv`. Small numbers have all their zeros, as they always had in this table.
     pub fn to_csv(&self) -> String {
-        let mut csv = String::from("test,preset,noise,controller,quantity,value,spread,unit,published,verdict\n");
+        let names: Vec<String> = layout().shape.columns.into_iter().map(|column| column.name).collect();
+        let mut csv = names.join(",") + "\n";
         let number = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
-        for row in &self.rows {
-            let verdict = self.verdict(row).map(|v| v.to_string()).unwrap_or_default();
-            let published = number(row.published().map(Published::number));
-            let noise = if row.noise { "on" } else { "off" };
+        for row in self.lines() {
+            let ResultRow { test, preset, noise, controller, quantity, unit, .. } = &row;
+            let [value, spread, published] = [row.value, row.spread, row.published].map(number);
+            let verdict = row.verdict.as_deref().unwrap_or_default();
             let _ = writeln!(
                 csv,
-                "{},{},{noise},{},{},{},{},{},{published},{verdict}",
-                row.test,
-                row.preset,
-                row.controller,
-                row.quantity,
-                number(row.value),
-                number(row.spread),
-                row.unit,
+                "{test},{preset},{noise},{controller},{quantity},{value},{spread},{unit},{published},{verdict}"
             );
         }
         csv
     }
+}
+
+record! {
+    /// A number that came out.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct ResultRow {
+        test: String = "The test, with its recording if that is not the first: step, driver_udds, ...";
+        preset: String = "The preset";
+        noise: &'static str = "on where the speed is measured with noise, else off";
+        controller: &'static str = "The controller";
+        quantity: &'static str = "What was measured";
+        value: Option<f64> = "Its value, in the unit that the row says; none if it never settled or arrived";
+        spread: Option<f64> = "Standard deviation over the seeds of the noise, in the same unit";
+        unit: &'static str = "Unit of value, spread and published";
+        published: Option<f64> = "The published value, where there is one";
+        verdict: Option<String> = "reproduced, partly, or not reproduced, where the paper has a number or a claim in words";
+    }
+}
+
+/// The columns of `results.csv`.
+pub fn layout() -> Layout<ResultRow> {
+    Layout::of_record(["results", "result"], "One row per number: ours, the paper's, and the verdict")
 }

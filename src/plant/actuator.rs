@@ -78,10 +78,40 @@ columns! {
     }
 }
 
+impl Past {
+    /// Room for so many rows; new ones are older than all, and like the oldest.
+    fn grow(&mut self, rows: usize) {
+        let (head, before) = (self.head, self.torque_ring.len());
+        if rows <= before {
+            return;
+        }
+        for ring in [&mut self.torque_ring, &mut self.product_ring] {
+            // The oldest comes first now, and the newest last.
+            ring.rotate_left((head + 1) % before);
+            let oldest = ring[0];
+            ring.splice(0..0, std::iter::repeat_n(oldest, rows - before));
+        }
+        self.head = rows - 1;
+    }
+}
+
 impl Actuators {
     /// Sets dead time \[s\], lag time constant \[s\] and torque limits (sums over the wheels, both positive) [N·m] of a slot
     /// and forgets its past. A dead time beyond the capacity is shortened to it.
     pub fn set(&mut self, slot: usize, dead_time_s: f64, lag_s: f64, drive_max_nm: f64, brake_max_nm: f64) {
+        self.tune(slot, dead_time_s, lag_s, drive_max_nm, brake_max_nm);
+        self.reset(slot);
+    }
+
+    /// The same for a vehicle under way: what is on its way to the wheels stays there. A longer dead time lets torques act once more,
+    /// and holds the oldest that is known, until the first newer one has come through.
+    pub fn change(&mut self, slot: usize, dead_time_s: f64, lag_s: f64, drive_max_nm: f64, brake_max_nm: f64) {
+        let rows = (dead_time_s / self.period_s).ceil().max(0.0) as usize + 2;
+        self.past.grow(rows);
+        self.tune(slot, dead_time_s, lag_s, drive_max_nm, brake_max_nm);
+    }
+
+    fn tune(&mut self, slot: usize, dead_time_s: f64, lag_s: f64, drive_max_nm: f64, brake_max_nm: f64) {
         let periods = (dead_time_s / self.period_s).clamp(0.0, (self.past.torque_ring.len() - 2) as f64);
         // A dead time typed as a multiple of the period is one: 0.07/0.01 must not become 7.000000000000001.
         let periods = if (periods - periods.round()).abs() < 1e-9 { periods.round() } else { periods };
@@ -90,7 +120,6 @@ impl Actuators {
         self.decay[slot] = if lag_s > 0.0 { libm::exp(-self.period_s / lag_s) } else { 0.0 };
         self.drive_max_nm[slot] = drive_max_nm;
         self.brake_max_nm[slot] = brake_max_nm;
-        self.reset(slot);
     }
 
     /// Forgets the past of a slot: zero torque everywhere.
@@ -217,6 +246,25 @@ mod tests {
         actuators.step(&[20.0; LANES], &[5.0; LANES]);
         let out = actuators.step(&[30.0; LANES], &[7.0; LANES]);
         assert_eq!((out.torque_nm[0], out.applied[0], out.commanded[0]), (10.0, 30.0, 210.0));
+    }
+
+    #[test]
+    fn a_change_under_way_keeps_what_is_on_its_way() {
+        let mut actuators = Actuators::new(0.01, 0.02);
+        actuators.set(0, 0.02, 0.0, 1e9, 1e9);
+        actuators.set(1, 0.01, 0.0, 1e9, 1e9);
+        respond(&mut actuators, &[1.0, 2.0, 3.0, 4.0, 5.0]);
+        actuators.change(0, 0.06, 0.0, 1e9, 1e9);
+        let mut torques = [6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0].map(|t| actuators.step(&[t; LANES], &GAIN).torque_nm);
+        assert_eq!(
+            torques.map(|t| t[0]),
+            [2.0, 2.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+            "the oldest known, then each in its turn"
+        );
+        assert_eq!(torques.map(|t| t[1]), [5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0], "another slot is as it was");
+        actuators.change(0, 0.0, 0.0, 12.0, 1e9);
+        torques[0] = actuators.step(&[13.0; LANES], &GAIN).torque_nm;
+        assert_eq!(torques[0][..2], [12.0, 12.0], "shorter at once, and within the new limit");
     }
 
     #[test]

@@ -31,6 +31,13 @@ impl State {
     }
 }
 
+impl Inputs {
+    /// The same with more torque [N·m].
+    pub fn with_torque(&self, more_nm: &Lanes) -> Self {
+        Self { torque_nm: std::array::from_fn(|slot| self.torque_nm[slot] + more_nm[slot]), ..*self }
+    }
+}
+
 columns! {
     /// What acts on the vehicles of a block during one control period.
     #[derive(Debug, Clone, Copy)]

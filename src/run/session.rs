@@ -12,7 +12,7 @@ use super::result::{ResultWriter, RunResult};
 use super::rows::TraceRow;
 use super::setup;
 use super::signals::Signal;
-use crate::cosim::{FULL_COLOUR_MPS, Sumo, World};
+use crate::cosim::{FULL_COLOUR_MPS, OrderError, Sumo, World};
 use crate::reference::Target;
 use crate::scenario::{Group, Scenario};
 use crate::stats::VehicleStats;
@@ -146,6 +146,7 @@ impl Session {
             ));
         }
         let profile = self.profiler.profile(&self.world);
+        self.result.notes.extend(self.world.orders().notes());
         let mut stopped = std::pin::pin!(stopped);
         let handed_back = tokio::select! {
             done = self.world.hand_back() => done.map_err(RunError::from),
@@ -172,6 +173,8 @@ impl Session {
     /// Leaves SUMO as it is, and writes what was computed until `error` happened.
     pub(super) fn break_off(&mut self, error: RunError) -> RunError {
         self.result.sumo_has_ended = self.host.abandon();
+        let new = self.world.orders().notes().into_iter().filter(|note| !self.result.notes.contains(note));
+        self.result.notes.extend(new.collect::<Vec<_>>());
         let times_s = [self.begin_s, self.world.time_s()];
         self.result.break_off(self.world.abandon(), times_s, error)
     }
@@ -196,6 +199,38 @@ impl Session {
     pub fn egos(&self) -> impl Iterator<Item = TraceRow> {
         let time_s = self.world.time_s();
         self.world.driving().map(move |(ego, block)| trace_row(ego, &block.snapshot(ego.slot.lane()), time_s, None))
+    }
+
+    /// From the next step on the ego is to drive at this speed [m/s] in place of its target; `None` = at its target again. Where
+    /// SUMO leads (the target `traffic`), it drives there as it drives to any speed: with the vType's accelerations, and never too
+    /// fast for who is ahead, a light or the lane. Where the body leads, the speed is the reference at once, and SUMO clamps it as it
+    /// clamps all targets. The result notes whose references were set.
+    ///
+    /// # Errors
+    /// [`OrderError`] if the vehicle is no ego on the road, or the speed is none. Nothing has changed then.
+    pub fn set_reference(&mut self, id: &str, speed_mps: Option<f64>) -> Result<(), OrderError> {
+        self.world.hand().reference(id, speed_mps)
+    }
+
+    /// From the next step on this torque acts on the wheels of the ego beside that of the actuators, until another is set; sum over
+    /// the wheels, positive drives, 0 = none [N·m]. The law does not learn of it, and columns of torques do not have it. An ego that
+    /// is held at rest stays there. The result notes whose torques were disturbed.
+    ///
+    /// # Errors
+    /// [`OrderError`] if the vehicle is no ego on the road or has no body, or the torque is none. Nothing has changed then.
+    pub fn set_torque_disturbance(&mut self, id: &str, torque_nm: f64) -> Result<(), OrderError> {
+        self.world.hand().disturbance(id, torque_nm)
+    }
+
+    /// From the next step on the ego is as it would be if it had departed with `<param key="{name}" value="{value}"/>`, a `mfc.*`
+    /// parameter of its body or its actuators; `None` takes that back. Its law does not learn of it. The result notes whose
+    /// parameters were set.
+    ///
+    /// # Errors
+    /// [`OrderError`] if the vehicle is no ego on the road or has no body, the parameter is unknown or one that cannot change on the
+    /// way (what wheels and axles are), or the value is not what it takes. Nothing has changed then.
+    pub fn set_parameter(&mut self, id: &str, name: &str, value: Option<&str>) -> Result<(), OrderError> {
+        self.world.hand().parameter(id, name, value)
     }
 
     /// The statistics of an ego on the road so far.

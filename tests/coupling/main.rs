@@ -2,6 +2,7 @@
 //! does is tested in `tests/live`.
 
 mod fake;
+mod orders;
 
 use std::{collections::BTreeMap, path::Path};
 

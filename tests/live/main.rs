@@ -14,6 +14,7 @@ mod hostile;
 mod identical;
 mod lifecycle;
 mod names;
+mod orders;
 mod outputs;
 mod quality;
 mod session;
