@@ -72,15 +72,16 @@ def compare(
     seeds: str | Sequence[int] | None = None,
     out: str | os.PathLike[str] | None = None,
     quiet: bool = False,
+    progress: bool | None = None,
     **options: Any,
 ) -> Study:
     """Runs a scenario with several controllers on the same traffic; differences are to the first.
 
     ``seeds`` are numbers, or ``"1..10"`` with both ends; ``jobs`` is how many cases run at the same time. Other options are
-    those of ``sumo-mfc compare``; ``out``, ``quiet`` and errors are as for ``run``. Cases are processes of their own. With
+    those of ``sumo-mfc compare``; ``out``, ``quiet``, ``progress`` and errors are as for ``run``. Cases are processes of their own. With
     ``out``, the same call after Ctrl-C goes on where it was stopped.
     """
-    return _study("compare", scenario, out, quiet, {"controllers": controllers, "seeds": seeds, **options})
+    return _study("compare", scenario, out, quiet, progress, {"controllers": controllers, "seeds": seeds, **options})
 
 
 def sweep(
@@ -91,6 +92,7 @@ def sweep(
     reference: Mapping[str, Any] | None = None,
     out: str | os.PathLike[str] | None = None,
     quiet: bool = False,
+    progress: bool | None = None,
     **options: Any,
 ) -> Study:
     """Runs a study file, or a scenario under all combinations of the values of some keys.
@@ -98,14 +100,23 @@ def sweep(
     ``vary={"actuator.delay_s": [0, 0.2], "controller.name": ["ideal", "pid"]}`` makes four settings;
     ``reference={"controller.name": "ideal"}`` is what the others are compared with. All else is as for ``compare``.
     """
-    return _study("sweep", scenario, out, quiet, {"vary": vary, "seeds": seeds, "reference": reference, **options})
+    return _study("sweep", scenario, out, quiet, progress, {"vary": vary, "seeds": seeds, "reference": reference, **options})
 
 
 def _study(
-    command: str, scenario: Scenario, out: str | os.PathLike[str] | None, quiet: bool, options: Mapping[str, Any]
+    command: str,
+    scenario: Scenario,
+    out: str | os.PathLike[str] | None,
+    quiet: bool,
+    progress: bool | None,
+    options: Mapping[str, Any],
 ) -> Study:
     folder, keep = place(out)
-    text = call([command, *arguments(scenario, {**options, "out": folder})], quiet)
+    bar = Bar(False if quiet else progress)
+    try:
+        text = call([command, *arguments(scenario, {**options, "out": folder})], quiet, bar)
+    finally:
+        bar.close()
     return Study(folder, text, keep=keep)
 
 
@@ -131,14 +142,14 @@ def paper(
     return Paper(folder, text, keep=keep)
 
 
-def call(words: Sequence[str], quiet: bool) -> str:
-    """Runs the command line as a process, and returns what it prints; what it tells goes to stderr."""
+def call(words: Sequence[str], quiet: bool, bar: Bar | None = None) -> str:
+    """Runs the command line as a process, and returns what it prints; what it tells goes to stderr, or to a bar."""
     _sumo.find()
     with tempfile.TemporaryDirectory(prefix="sumo-mfc-") as folder:
-        return _call(words, quiet, Path(folder) / "error.json")
+        return _call(words, quiet, bar, Path(folder) / "error.json")
 
 
-def _call(words: Sequence[str], quiet: bool, errors: Path) -> str:
+def _call(words: Sequence[str], quiet: bool, bar: Bar | None, errors: Path) -> str:
     told: list[str] = []
     with subprocess.Popen(
         [*_sumo.command(_controllers.files(words)), "--errors", str(errors), *words],
@@ -153,7 +164,7 @@ def _call(words: Sequence[str], quiet: bool, errors: Path) -> str:
             assert process.stderr is not None
             for line in process.stderr:
                 told.append(line)
-                if not quiet:
+                if not (quiet or bar is not None and bar.take(line)):
                     print(line, end="", file=sys.stderr, flush=True)
 
         listener = threading.Thread(target=listen, daemon=True)

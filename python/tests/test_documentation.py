@@ -10,7 +10,10 @@ import pytest
 from lines import REPOSITORY, lines
 
 
-@pytest.mark.parametrize("page", ["README.md", "python/README.md", "docs/how-to/python.md"])
+PAGES = ["README.md", "python/README.md"] + [f"docs/how-to/python{of}.md" for of in ("", "-studies", "-stepping", "-offline", "-gym")]
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_the_lines_of_a_page_run(page: str, tmp_path: Path) -> None:
     for file in (REPOSITORY / "sumo_nets" / "city").glob("city*.xml"):
         shutil.copy(file, tmp_path)

@@ -33,6 +33,16 @@ def test_val_a_comparison_has_the_bytes_of_the_command_line(
     assert vehicles.num_rows > 50 and vehicles["sumo_duration"].null_count < vehicles.num_rows
 
 
+def test_a_study_has_a_bar_or_lines(straight: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    def told(progress: bool) -> str:
+        sumo_mfc.compare(straight, ["ideal", "pid"], seeds=[1], end=10, no_report=True, progress=progress)
+        return capfd.readouterr().err
+
+    bar, lines = told(True), told(False)
+    assert "2/2 [" in bar and "[2/2] case" not in bar, bar
+    assert "[1/2] case" in lines and "[2/2] case" in lines and "2/2 [" not in lines, lines
+
+
 def test_a_sweep_varies_keys_and_goes_on_where_it_was(straight: Path, tmp_path: Path) -> None:
     def sweep() -> sumo_mfc.Study:
         return sumo_mfc.sweep(

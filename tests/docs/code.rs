@@ -213,8 +213,12 @@ fn law_code_stands_in_an_example() {
         "examples/session.rs",
         "examples/clients/second_client.py",
         "examples/python/controller.py",
+        "examples/python/environment.py",
         "examples/python/first.py",
-        "examples/python/tour.py",
+        "examples/python/offline.py",
+        "examples/python/run.py",
+        "examples/python/stepping.py",
+        "examples/python/studies.py",
     ];
     let examples: String = examples.iter().map(|path| fs::read_to_string(repository(path)).unwrap()).collect();
     let code = ["rust", "python"].into_iter().flat_map(blocks);
