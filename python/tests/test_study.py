@@ -39,8 +39,8 @@ def test_a_study_has_a_bar_or_lines(straight: Path, capfd: pytest.CaptureFixture
         return capfd.readouterr().err
 
     bar, lines = told(True), told(False)
-    assert "2/2 [" in bar and "[2/2] case" not in bar, bar
-    assert "[1/2] case" in lines and "[2/2] case" in lines and "2/2 [" not in lines, lines
+    assert "/2 [" in bar and "[2/2] case" not in bar, bar
+    assert "[1/2] case" in lines and "[2/2] case" in lines and "/2 [" not in lines, lines
 
 
 def test_a_sweep_varies_keys_and_goes_on_where_it_was(straight: Path, tmp_path: Path) -> None:
