@@ -434,3 +434,38 @@ fn files_without_measure() {
     );
     refused(&folder, &["run", "laughs.sumocfg"], &["laughs.sumocfg:1: a document type definition"]);
 }
+
+/// The nearest known name is looked for among names of about the same length only: comparing this one letter by letter
+/// with all of them takes minutes.
+#[test]
+fn regress_a_key_of_a_megabyte_is_refused_at_once() {
+    let folder = folder();
+    let key = "k".repeat(1 << 20);
+    write(&folder, "bad.toml", &format!("[sumo]\nconfig = \"light.sumocfg\"\n\n[controller]\n{key} = 1.0\n"));
+    let mut command = command(&folder, &["run", "bad.toml"]);
+    let output = command.timeout(std::time::Duration::from_secs(20)).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("unknown key controller.kkk"));
+}
+
+/// A configuration may name `${SUMO_HOME}` as often as it likes: SUMO is looked for once, which may start a Python.
+#[cfg(unix)]
+#[test]
+fn regress_sumo_is_looked_for_once() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    write(&folder, "python3", "#!/bin/sh\necho asked >> \"$ASKED\"\n");
+    fs::set_permissions(folder.path().join("python3"), fs::Permissions::from_mode(0o755)).unwrap();
+    let routes = vec!["${SUMO_HOME}/none.rou.xml"; 50].join(",");
+    write(
+        &folder,
+        "homes.sumocfg",
+        &format!("<configuration><net-file value=\"light.net.xml\"/><route-files value=\"{routes}\"/></configuration>"),
+    );
+    let asked = folder.path().join("asked");
+    let mut command = command(&folder, &["check", "homes.sumocfg"]);
+    command.env_remove("SUMO_HOME").env_remove("SUMO_BINARY").env("PATH", folder.path()).env("ASKED", &asked);
+    let output = command.output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(fs::read_to_string(asked).unwrap().lines().count(), 1);
+}

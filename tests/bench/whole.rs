@@ -4,7 +4,7 @@
 //! .ci/with-sumo cargo bench --bench whole [--features libsumo] [-- SCENE...] [-- LAW...]
 //! ```
 //! With the feature `libsumo` every law runs a second time, with SUMO in its own process.
-//! The processes of a scene take turns, seven rounds of them. A ratio is that of two processes of one round, wall and
+//! The processes of a scene take turns, five rounds of them. A ratio is that of two processes of one round, wall and
 //! processor time (SUMO's and ours together), and the figure is the median over the rounds. Everything is in it: loading,
 //! stepping, tables and the report page. What of this does not grow with the length of a run is shown apart: the time of
 //! a run of one second. Networks that are not kept in the repository are made below `target/bench`.
@@ -17,7 +17,7 @@ use std::time::Instant;
 use sumo_mfc::control::CONTROLLERS;
 use sumo_mfc::traci::{SumoBinary, find_sumo};
 
-const ROUNDS: usize = 7;
+const ROUNDS: usize = 5;
 
 /// Where a network comes from.
 enum Net {
