@@ -85,7 +85,7 @@ fn process_of(dir: &Path, case: &str) -> Option<u32> {
 fn a_cluster_gives_the_tables_of_one_machine_in_arrays_that_fit() {
     // Indices below 4: eight cases are three arrays, and the throttle holds for all of them together.
     let Some(cluster) = Cluster::start(4) else { return };
-    let args = ["--seeds", "1..4", "--end", "40"];
+    let args = ["--seeds", "1..4", "--end", "300"];
     let wanted = wanted(cluster.folder(), &args, 8);
     let dir = cluster.folder().join("study %a");
     let submitted = cluster.sweep(&dir, &[&args[..], &["--slurm", "throttle=2"]].concat());
@@ -97,7 +97,7 @@ fn a_cluster_gives_the_tables_of_one_machine_in_arrays_that_fit() {
     assert!(second.contains("ArrayTaskThrottle=2"), "{second}");
     let status = cluster.sweep(&dir, &[&args[..], &["--status"]].concat()).stdout;
     assert!(status.contains("\tpending\n") && status.contains("8 cases in "), "{status}");
-    // The same command submits nothing that is in the queue.
+    // The same command submits nothing that is in the queue, where all jobs still are: cases take a second or more.
     let again = cluster.sweep(&dir, &args);
     assert_eq!(again.stdout, submitted.stdout, "{}", again.stderr);
     // Nobody waits for it: the last job writes the tables.
@@ -115,7 +115,8 @@ fn a_cluster_gives_the_tables_of_one_machine_in_arrays_that_fit() {
 #[test]
 fn what_is_killed_is_listed_and_run_again_and_nothing_else() {
     let Some(cluster) = Cluster::start(1001) else { return };
-    let args = ["--seeds", "1..3", "--end", "120"];
+    // Long enough to strike a case while it runs, however fast the machine.
+    let args = ["--seeds", "1..3", "--end", "600"];
     let wanted = wanted(cluster.folder(), &args, 6);
     let dir = cluster.folder().join("study");
     let submitted = cluster.sweep(&dir, &args);

@@ -1,5 +1,6 @@
 //! Submits what is to be run, and the job that writes the tables after it.
 
+use super::super::case::State;
 use super::super::error::StudyError;
 use super::super::plan::Case;
 use super::super::warming::{missing, warm_up};
@@ -106,7 +107,9 @@ impl<'a> Desk<'a> {
     fn submit(mut self, largest: usize) -> Result<Vec<String>, StudyError> {
         let standing = of_rows(&self.submissions, &self.rows);
         let queued = |case: &&&Case| matches!(standing.get(&case.number), Some(Standing::Pending | Standing::Running));
-        let todo: Vec<&Case> = self.work.cases.iter().filter(|case| !queued(case)).copied().collect();
+        // A case may have ended, and its task left the queue, since the study was looked at.
+        let done = |case: &&&Case| !self.work.force && State::of(self.work.plan, case) == State::Done;
+        let todo: Vec<&Case> = self.work.cases.iter().filter(|case| !queued(case) && !done(case)).copied().collect();
         let live: BTreeSet<&str> = self.rows.iter().filter(|row| row.is_live()).map(|row| &*row.name).collect();
         let live = |tables: bool| {
             let of = |s: &&Submission| s.tasks.is_empty() == tables && live.contains(&*s.name);
