@@ -21,7 +21,12 @@ fn lines(path: &Path) -> usize {
 /// Starts a run of the city and waits until so many vehicles have left.
 fn under_way(dir: &Path, left: usize) -> Running {
     let args = here(&["--quiet", "--trace", "all", "--step-length", "0.05"]);
-    let run = Running::start(run_command(NEW, &own("city"), dir, &args));
+    let own = run_command(NEW, &own("city"), dir, &args);
+    // These tests may have been started with SIGHUP ignored.
+    let mut command = Command::new("env");
+    command.arg("--default-signal=HUP").arg(own.get_program()).args(own.get_args());
+    command.envs(own.get_envs().filter_map(|(key, value)| Some((key, value?))));
+    let run = Running::start(command);
     let deadline = Instant::now() + Duration::from_secs(120);
     while lines(&dir.join("vehicles.csv.part")) < left {
         assert!(Instant::now() < deadline, "no vehicle leaves");
