@@ -81,12 +81,12 @@ impl Cluster {
         Running::start(self.command(dir, args)).wait()
     }
 
-    /// The same with another `sbatch` in front of the real one.
-    pub fn sweep_with_sbatch(&self, text: &str, dir: &Path, args: &[&str]) -> Ended {
+    /// The same with another program of a name in front of Slurm's.
+    pub fn sweep_with(&self, [name, text]: [&str; 2], dir: &Path, args: &[&str]) -> Ended {
         let bin = tempfile::tempdir().unwrap();
-        let sbatch = bin.path().join("sbatch");
-        fs::write(&sbatch, format!("#!/bin/sh\n{text}\n")).unwrap();
-        fs::set_permissions(&sbatch, fs::Permissions::from_mode(0o755)).unwrap();
+        let file = bin.path().join(name);
+        fs::write(&file, format!("#!/bin/sh\n{text}\n")).unwrap();
+        fs::set_permissions(&file, fs::Permissions::from_mode(0o755)).unwrap();
         let path = std::env::var_os("PATH").unwrap();
         let path = std::env::join_paths([bin.path().to_owned()].into_iter().chain(std::env::split_paths(&path)));
         let mut command = self.command(dir, args);

@@ -112,6 +112,21 @@ fn a_cluster_gives_the_tables_of_one_machine_in_arrays_that_fit() {
     assert_eq!(last.stdout, fs::read_to_string(dir.join("comparison.csv")).unwrap(), "the table is printed");
 }
 
+/// Slurm is asked after the study was looked at, and a case may end in between: here all of them do.
+#[test]
+fn regress_a_case_that_ends_while_slurm_is_asked_is_not_submitted_again() {
+    let Some(cluster) = Cluster::start(1001) else { return };
+    let args = ["--seeds", "1..2", "--end", "300"];
+    let dir = cluster.folder().join("study");
+    assert_eq!(cluster.sweep(&dir, &args).code, Some(0));
+    let slurms = cluster.slurm("sh", &["-c", "command -v squeue"]);
+    let late = format!("while [ \"$({0} --noheader)\" ]; do sleep 0.1; done\nexec {0} \"$@\"", slurms.trim());
+    let again = cluster.sweep_with(["squeue", &late], &dir, &args);
+    assert_eq!(again.code, Some(0), "{}", again.stderr);
+    assert!(dir.join("slurm/0002.json").exists() && !dir.join("slurm/0003.json").exists(), "{}", again.stdout);
+    assert!(table(&dir.join("cases.csv")).iter().all(|row| row["status"] == "done"));
+}
+
 #[test]
 fn what_is_killed_is_listed_and_run_again_and_nothing_else() {
     let Some(cluster) = Cluster::start(1001) else { return };
@@ -177,7 +192,7 @@ fn a_call_that_is_killed_while_it_submits_leaves_nothing_that_runs_twice() {
         [(false, "kill -KILL $PPID"), (true, "/usr/bin/sbatch --begin=now+2 \"$@\" >/dev/null; kill -KILL $PPID")]
     {
         let dir = cluster.folder().join(format!("taken {taken}"));
-        let killed = cluster.sweep_with_sbatch(script, &dir, &per_task);
+        let killed = cluster.sweep_with(["sbatch", script], &dir, &per_task);
         assert_eq!(killed.code, None, "{}", killed.stderr);
         let intent = json_of(&dir, "0001").unwrap();
         assert!(intent["job"].is_null() && intent["tasks"] == serde_json::json!([[1, 2, 3], [4]]), "{intent}");
@@ -246,7 +261,7 @@ fn what_slurm_refuses_is_one_error_and_nothing_is_left() {
          exec /usr/bin/sbatch --hold \"$@\"",
         counter.display()
     );
-    let refused = cluster.sweep_with_sbatch(&script, &dir, &args);
+    let refused = cluster.sweep_with(["sbatch", &script], &dir, &args);
     assert_eq!((refused.code, refused.stdout.as_str()), (Some(1), ""));
     let said = "executor slurm: sbatch says: over the limit. What it had taken of this call was cancelled: ";
     assert!(refused.stderr.contains(said), "{}", refused.stderr);
