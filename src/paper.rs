@@ -40,6 +40,7 @@ pub use error::{PaperError, write};
 pub use lab::{Finding, Lab, SEEDS};
 use library::{Library, Preset};
 use results::Results;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 pub use verdict::Verdict;
@@ -60,22 +61,48 @@ pub const FILES: [[&str; 3]; 9] = [
 /// Runs a test under one preset.
 pub type Run = fn(&Lab, &Preset) -> Result<Finding, PaperError>;
 
+/// A test.
+#[derive(Debug, Clone, Copy)]
+pub struct Test {
+    run: Run,
+    /// The laws that it drives under a preset.
+    laws: fn(&Preset) -> Vec<&'static str>,
+}
+
+/// The paper's laws alone.
+const PAPERS: fn(&Preset) -> Vec<&'static str> = |_| CONTROLLERS.to_vec();
+
 /// All tests that run under every preset, in the order of the paper.
-pub static TESTS: &[Entry<Run>] = &[
-    Entry { name: "step", summary: "steps of position, Section 5.1", keys: &[], build: step::run },
-    Entry { name: "sine", summary: "a sinusoid of position, Section 5.2", keys: &[], build: sine::run },
-    Entry { name: "driver", summary: "a driver's recording, Section 5.3", keys: &[], build: driver::run },
+pub static TESTS: &[Entry<Test>] = &[
+    Entry {
+        name: "step",
+        summary: "steps of position, Section 5.1",
+        keys: &[],
+        build: Test { run: step::run, laws: PAPERS },
+    },
+    Entry {
+        name: "sine",
+        summary: "a sinusoid of position, Section 5.2",
+        keys: &[],
+        build: Test { run: sine::run, laws: PAPERS },
+    },
+    Entry {
+        name: "driver",
+        summary: "a driver's recording, Section 5.3",
+        keys: &[],
+        build: Test { run: driver::run, laws: driver::laws },
+    },
     Entry {
         name: "delay",
         summary: "the recording with 250 ms of input delay, Section 5.4",
         keys: &[],
-        build: driver::run_delayed,
+        build: Test { run: driver::run_delayed, laws: driver::laws },
     },
     Entry {
         name: "disturb",
         summary: "mass, tyres, friction, slope, wind and bank change on the way",
         keys: &[],
-        build: disturb::run,
+        build: Test { run: disturb::run, laws: |_| every_law().collect() },
     },
 ];
 
@@ -107,7 +134,7 @@ pub type Beyond = fn(&Request, &Lab, &Preset) -> Result<Option<Finding>, PaperEr
 /// # Errors
 /// [`PaperError`]
 pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
-    let tests: Vec<&Entry<Run>> = match request.test.as_str() {
+    let tests: Vec<&Entry<Test>> = match request.test.as_str() {
         "all" => TESTS.iter().collect(),
         "map" => Vec::new(),
         name => vec![find("test", TESTS, name).map_err(|unknown| unknown.or_known(&["map", "record", "all"]))?],
@@ -123,12 +150,12 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
         Some(name) => vec![lab.library.find(name)?],
         None => lab.library.presets.iter().collect(),
     };
-    let only_the_papers = match request.test.as_str() {
-        "step" | "sine" => true,
-        "map" => false,
-        _ => presets.iter().all(|preset| preset.name != library::DEFAULT),
+    let driven: BTreeSet<&str> = match tests[..] {
+        // The map drives all of them.
+        [] => every_law().collect(),
+        _ => tests.iter().flat_map(|test| presets.iter().flat_map(|preset| (test.build.laws)(preset))).collect(),
     };
-    let driven = if only_the_papers { CONTROLLERS.to_vec() } else { every_law().collect() };
+    let driven: Vec<&str> = every_law().filter(|law| driven.contains(law)).collect();
     let mut whole = Finding::default();
     for line in lab.library.reached(&driven)? {
         whole.text += &format!("{line}\n");
@@ -152,12 +179,12 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
 
 /// Every test under every preset, in that order, on all cores. What takes longest begins first, so that no core waits
 /// for the last one.
-fn all(lab: &Lab, tests: &[&Entry<Run>], presets: &[&Preset]) -> Result<Vec<Finding>, PaperError> {
+fn all(lab: &Lab, tests: &[&Entry<Test>], presets: &[&Preset]) -> Result<Vec<Finding>, PaperError> {
     let mut jobs = Vec::new();
     for test in tests {
         for preset in presets {
             jobs.push((
-                test.build,
+                test.build.run,
                 *preset,
                 lab.library.scenario("step", preset, "adaptive", &[])?.coupling.control_period_s,
             ));

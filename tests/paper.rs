@@ -434,8 +434,9 @@ fn what_is_wrong_is_named() {
         ),
         (
             vec!["paper", "step", "--set", "controller.k_i=1"],
-            "other laws than those that are driven: classic, adaptive",
+            "other laws than those that are driven: adaptive, classic",
         ),
+        (vec!["paper", "delay", "--preset", "best", "--set", "controller.k_i=1"], "that are driven: adaptive, classic"),
         (vec!["paper", "driver", "--driver", "/no/such/file.csv"], "/no/such/file.csv"),
         (vec!["paper", "driver", "--driver", &bad_file], "bad.csv:3"),
     ] {
@@ -464,6 +465,15 @@ fn settings_reach_the_laws_that_have_them() {
     };
     assert_eq!(of(&plain, ",classic,"), of(&epsilon, ",classic,"), "classic has no epsilon");
     assert_ne!(of(&plain, ",adaptive,"), of(&epsilon, ",adaptive,"));
+}
+
+/// Which laws are driven is up to the test: disturbances are met by every law, under every preset.
+#[test]
+fn a_setting_of_one_law_is_taken_where_that_law_is_driven() {
+    let dir = folder();
+    let mut command = command();
+    command.args(["paper", "disturb", "--preset", "best", "--set", "controller.k_i=0.5", "-o"]).arg(dir.path());
+    command.assert().success().stdout(predicate::str::contains("k_i=0.5: for pid, smith_pi; not a key of adaptive"));
 }
 
 /// A gain that several laws have is set on all of them, and the rest is told.

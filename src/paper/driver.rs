@@ -84,7 +84,7 @@ fn test(lab: &Lab, preset: &Preset, test: &str) -> Result<Finding, PaperError> {
 
 /// The laws that drive: the paper's, whose figures are drawn; under the default preset the others as well, with their own default
 /// gains, for their place in the table.
-fn laws(preset: &Preset) -> Vec<&'static str> {
+pub fn laws(preset: &Preset) -> Vec<&'static str> {
     let others = every_law().filter(|law| preset.name == DEFAULT && !CONTROLLERS.contains(law));
     CONTROLLERS.into_iter().chain(others).collect()
 }
