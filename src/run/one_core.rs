@@ -22,8 +22,10 @@ const GAIN: f64 = 0.95;
 /// Where SUMO and the thread that steps it may run.
 pub(super) struct OneCore {
     sumo: Pid,
-    /// The cores that this program was given.
-    all: CpuSet,
+    /// The cores that both were given.
+    given: CpuSet,
+    /// Both are on one of them.
+    is_placed: bool,
     trial: Trial,
 }
 
@@ -32,12 +34,14 @@ impl OneCore {
     /// nothing to choose. Whoever commands a group may have threads of its own, which would inherit the one core.
     pub fn of(session: &Session) -> Option<Self> {
         let sumo = i32::try_from(session.sumo_id()?).ok().and_then(Pid::from_raw)?;
-        let all = sched_getaffinity(None).ok()?;
-        let is_free = all.count() > 1 && !session.world().fleet().has_group_law();
-        is_free.then_some(Self { sumo, all, trial: Trial::default() })
+        let given = sched_getaffinity(None).ok()?;
+        // Somebody who has chosen cores for SUMO, in a script around it, knows why.
+        let chosen = sched_getaffinity(Some(sumo)).ok()? != given;
+        let is_free = given.count() > 1 && !chosen && !session.world().fleet().has_group_law();
+        is_free.then_some(Self { sumo, given, is_placed: false, trial: Trial::default() })
     }
 
-    /// A step has taken this long. Where it changes, both are placed anew.
+    /// A step has taken this long. Where that changes, both are placed anew.
     pub fn stepped(&mut self, took: Duration) {
         match self.trial.stepped(took) {
             // Threads that SUMO makes inherit its core: with more than one it is left alone.
@@ -45,9 +49,16 @@ impl OneCore {
                 let mut one = CpuSet::new();
                 one.set(sched_getcpu());
                 self.place(&one);
+                self.is_placed = true;
             }
-            Some(_) => self.place(&self.all),
+            Some(_) => self.release(),
             None => {}
+        }
+    }
+
+    fn release(&mut self) {
+        if std::mem::take(&mut self.is_placed) {
+            self.place(&self.given);
         }
     }
 
@@ -68,7 +79,7 @@ impl OneCore {
 
 impl Drop for OneCore {
     fn drop(&mut self) {
-        self.place(&self.all);
+        self.release();
     }
 }
 
