@@ -53,6 +53,7 @@ mod signals;
 mod spread;
 mod summary;
 mod tally;
+mod tied;
 mod whole;
 
 pub use backend::Backend;
@@ -76,4 +77,5 @@ pub(crate) use signals::Signals;
 pub use spread::Spread;
 pub use summary::{Summary, SumoTotals, terminal_text};
 pub use tally::Remarkable;
+pub(crate) use tied::LINGER;
 pub use whole::{RunOptions, run, run_remote};

@@ -70,9 +70,8 @@ pub(super) struct ResultWriter {
 }
 
 impl ResultWriter {
-    /// Makes the folder, and notes in it what is run.
-    pub fn create(scenario: &Scenario, out_dir: &Path, force: bool) -> Result<Self, RunError> {
-        let dir = ResultDir::create(out_dir, force)?;
+    /// Notes in its folder what is run.
+    pub fn create(scenario: &Scenario, dir: ResultDir) -> Result<Self, RunError> {
         let folders = [Standing::of(dir.path())?, Standing::of(&dir.sumo()?)?];
         let command = sumo_arguments(&scenario.sumo, dir.path())?;
         let inputs = scenario.inputs.iter().map(|path| Input::of(path)).collect::<Result<_, _>>()?;

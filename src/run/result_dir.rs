@@ -34,18 +34,7 @@ impl ResultDir {
     /// [`RunError::Finished`], [`RunError::Busy`], or [`OutputError::File`] naming what could not be made.
     pub fn create(path: &Path, force: bool) -> Result<Self, RunError> {
         std::fs::create_dir_all(path).map_err(file_error("create", path))?;
-        let lock = lock(path)?;
-        let dir = Self { path: path.to_owned(), _lock: lock };
-        let manifest = dir.read_manifest();
-        if !force && let Some(found) = dir.result_found(manifest.as_ref()) {
-            return Err(RunError::Finished { dir: dir.path, found });
-        }
-        dir.clear(manifest.as_ref())?;
-        // Asks for the permission now rather than after hours of simulation.
-        let probe = part_of(&dir.file(MANIFEST));
-        File::create(&probe).map_err(file_error("create", &probe))?;
-        std::fs::remove_file(&probe).map_err(file_error("remove", &probe))?;
-        Ok(dir)
+        Self::open(path)?.cleared(force)
     }
 
     /// The folder of a run that has ended, as it is.
@@ -54,6 +43,20 @@ impl ResultDir {
     /// [`RunError::Busy`] if it has not.
     pub fn open(path: &Path) -> Result<Self, RunError> {
         Ok(Self { path: path.to_owned(), _lock: lock(path)? })
+    }
+
+    /// Makes it the folder of a run, as [`ResultDir::create`].
+    pub(super) fn cleared(self, force: bool) -> Result<Self, RunError> {
+        let manifest = self.read_manifest();
+        if !force && let Some(found) = self.result_found(manifest.as_ref()) {
+            return Err(RunError::Finished { dir: self.path, found });
+        }
+        self.clear(manifest.as_ref())?;
+        // Asks for the permission now rather than after hours of simulation.
+        let probe = part_of(&self.file(MANIFEST));
+        File::create(&probe).map_err(file_error("create", &probe))?;
+        std::fs::remove_file(&probe).map_err(file_error("remove", &probe))?;
+        Ok(self)
     }
 
     /// The folder.

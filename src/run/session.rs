@@ -9,6 +9,7 @@ use super::profile::Profiler;
 use super::recorder::{Recorder, trace_row};
 use super::remote::Times;
 use super::result::{ResultWriter, RunResult};
+use super::result_dir::ResultDir;
 use super::rows::TraceRow;
 use super::setup;
 use super::signals::Signal;
@@ -51,16 +52,18 @@ impl Session {
     /// # Errors
     /// [`RunError`] if the folder holds a finished result, a file cannot be read or made, or SUMO cannot be started.
     pub async fn open(scenario: &Scenario, options: &SessionOptions) -> Result<Self, RunError> {
-        Self::open_unless(scenario, options, std::future::pending()).await
+        let dir = ResultDir::create(&options.out_dir, options.force)?;
+        Self::open_unless(scenario, dir, options, std::future::pending()).await
     }
 
-    /// The same, but gives up at a signal that comes before SUMO has loaded.
+    /// The same in a folder that is ready, but gives up at a signal that comes before SUMO has loaded.
     pub(super) async fn open_unless(
         scenario: &Scenario,
+        dir: ResultDir,
         options: &SessionOptions,
         stopped: impl Future<Output = Signal>,
     ) -> Result<Self, RunError> {
-        let mut result = ResultWriter::create(scenario, &options.out_dir, options.force)?;
+        let mut result = ResultWriter::create(scenario, dir)?;
         let mut host = Host::default();
         let prepared = async {
             let reached = host.reach(options, &mut result).await?;

@@ -7,8 +7,10 @@ use super::options::SessionOptions;
 use super::progress::Progress;
 use super::remote::Remote;
 use super::result::RunResult;
+use super::result_dir::ResultDir;
 use super::session::Session;
 use super::signals::Signals;
+use super::tied::handed_over;
 use crate::scenario::Scenario;
 use std::time::Duration;
 #[cfg(target_os = "linux")]
@@ -29,7 +31,8 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Show a progress bar.
     pub progress: bool,
-    /// End as after SIGTERM when standard input ends, and tell on standard output how far the run is.
+    /// End as after SIGTERM when standard input ends, and tell on standard output how far the run is. The folder is cleared
+    /// whatever it holds.
     pub tied: bool,
 }
 
@@ -86,7 +89,9 @@ async fn run_until(
     options: &RunOptions,
     remote: &Remote,
 ) -> Result<RunResult, RunError> {
-    let mut session = Session::open_unless(scenario, &options.session, signals.wait()).await?;
+    let SessionOptions { out_dir, force, .. } = &options.session;
+    let dir = if options.tied { handed_over(out_dir).await } else { ResultDir::create(out_dir, *force) }?;
+    let mut session = Session::open_unless(scenario, dir, &options.session, signals.wait()).await?;
     let progress = Progress::new(options.progress, options.tied, &session);
     #[cfg(target_os = "linux")]
     let mut one_core = OneCore::of(&session);

@@ -4,7 +4,6 @@ use super::plan::{Case, Plan};
 use crate::output::{OutputError, write_json};
 use crate::run::{MANIFEST, Manifest, ResultDir, RunError, Signal, Status};
 use std::path::Path;
-use std::time::Duration;
 
 /// How far a case is.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -54,9 +53,6 @@ impl State {
         Self::read(dir, &planned.identity(sumo_version), sumo_version)
     }
 }
-
-/// How long the rest of a study that was killed may hold the folder of a case.
-pub const LINGER: Duration = Duration::from_secs(20);
 
 /// Makes the folder of a case ready: `run.json` says what is to be run, and nothing is left of an earlier attempt.
 ///

@@ -4,13 +4,13 @@
 //! within a step when that is let go of. A kill closes it too.
 
 use super::bars::{Bars, advance};
-use super::case::{LINGER, State, note_failure, prepare};
+use super::case::{State, note_failure, prepare};
 use super::error::StudyError;
 use super::plan::Case;
 use super::process;
 use super::warming::warm_up;
 use super::work::{Ended, Work};
-use crate::run::{RunError, Signals};
+use crate::run::{LINGER, RunError, Signals};
 use indicatif::ProgressBar;
 use std::collections::BTreeMap;
 use std::process::{Output, Stdio};

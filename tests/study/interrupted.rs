@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
 use super::support::{Running, children, table};
@@ -85,6 +85,43 @@ fn a_study_that_is_killed_goes_on_and_comes_to_the_same() {
     // A third call has nothing to do.
     study("sweep", &dir, &arguments(&[]));
     assert_eq!(done(&dir), after);
+}
+
+/// The rest of a study that was killed: a case that was just being started finds its folder in the hands of the next study.
+#[test]
+fn regress_a_case_that_nobody_holds_any_more_leaves_its_folder_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let one = [&MOTORWAY[..], &["--vary", "controller.name=pid", "--seeds", "1", "--end", "30"]].concat();
+    study("sweep", folder.path(), &one);
+    let case = folder.path().join("cases/0001");
+    let before = done(folder.path());
+    assert!(before.len() > 3, "{before:?}");
+    let tied = |keep: bool| {
+        let mut command = command("run", &case, &["--quiet", "--no-report", "--force", "--tied"]);
+        command
+            .arg("--from")
+            .arg(case.join("run.json"))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let tie = child.stdin.take().filter(|_| keep);
+        (child, tie)
+    };
+    let orphan = tied(false).0.wait_with_output().unwrap();
+    assert_eq!(orphan.status.code(), Some(143), "{orphan:?}");
+    assert_eq!(done(folder.path()), before);
+    // One that somebody holds waits until another has let go of the folder.
+    let lock = fs::File::open(&case).unwrap();
+    lock.lock().unwrap();
+    let (mut child, tie) = tied(true);
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!((child.try_wait().unwrap(), &done(folder.path())), (None, &before));
+    drop(lock);
+    let ended = child.wait_with_output().unwrap();
+    drop(tie);
+    assert_eq!(ended.status.code(), Some(0), "{ended:?}");
+    assert_ne!(done(folder.path()), before);
 }
 
 #[test]

@@ -1,11 +1,11 @@
 //! One task of a job array, on its node.
 
-use super::super::case::{LINGER, State, note_failure, prepare};
+use super::super::case::{State, note_failure, prepare};
 use super::super::error::StudyError;
 use super::super::plan::case_dir;
 use super::super::process::{self, Program};
 use super::submission::{Submission, remove_file, ticket};
-use crate::run::{Backend, Manifest, RunError, Signal};
+use crate::run::{Backend, LINGER, Manifest, RunError, Signal};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
