@@ -4,6 +4,7 @@
 //! `cargo test --test traci_wire record -- --ignored`.
 
 mod harness;
+mod replies;
 mod requests;
 mod sumo_reader;
 
