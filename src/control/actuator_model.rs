@@ -145,6 +145,19 @@ mod tests {
     }
 
     #[test]
+    fn a_dead_time_typed_as_a_multiple_of_the_period_is_one() {
+        // 0.3 / 0.1 is a bit below 3, 0.07 / 0.01 a bit above 7.
+        for (delay_s, period_s, periods) in [(0.3, 0.1, 3.0), (0.07, 0.01, 7.0), (0.02, 0.01, 2.0), (0.005, 0.02, 0.25)]
+        {
+            let late = Lateness::of(&ModelKeys { model_delay_s: Some(delay_s), model_lag_s: None }, period_s);
+            assert_eq!((late.periods(), late.delay_s(), late.decay), (periods, period_s * periods, 0.0), "{delay_s}");
+        }
+        let between = Lateness::of(&ModelKeys { model_delay_s: Some(0.025), model_lag_s: Some(0.1) }, 0.01);
+        assert!((between.periods() - 2.5).abs() < 1e-12 && (between.delay_s() - 0.025).abs() < 1e-15);
+        assert!((between.decay - (-0.1f64).exp()).abs() < 1e-15);
+    }
+
+    #[test]
     fn law_what_is_pending_comes() {
         // After some inputs nothing more is sent; without lag the speed gained from there on is P, its sum R.
         for delay_s in [0.0, 0.05, 0.07] {

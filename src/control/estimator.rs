@@ -167,6 +167,30 @@ mod tests {
     }
 
     #[test]
+    fn f_hat_of_a_recording_is_what_the_input_does_not_explain() {
+        // A car that gains 1.25 m/s² under an input of 2 m/s² from the first sample on.
+        let speeds_mps: Vec<f64> = (0..60).map(|k| 9.0 + 1.25 * PERIOD_S * f64::from(k)).collect();
+        let f_hat_mps2 = f_hat(&speeds_mps, &[2.0; 60], 0.2, PERIOD_S);
+        assert_eq!((f_hat_mps2.len(), f_hat(&[], &[], 0.2, PERIOD_S).len()), (60, 0));
+        // Before it went on at its speed without input.
+        let at_first = f_hat(&[9.0], &[0.0], 0.2, PERIOD_S)[0];
+        assert!(at_first.abs() < 1e-12, "{at_first}");
+        for f_mps2 in &f_hat_mps2[21..] {
+            assert!((f_mps2 + 0.75).abs() < 1e-9, "{f_mps2}");
+        }
+    }
+
+    #[test]
+    fn a_cleared_slot_is_that_of_a_car_at_rest() {
+        let mut window = Window::new(0.2, PERIOD_S);
+        estimate(&mut window, |k| 17.0 - k, |_| 3.0);
+        window.clear(0);
+        let still = window.estimate(&[0.0; LANES], &[0.0; LANES]);
+        assert_eq!(still[0], 0.0);
+        assert!(still[1].abs() > 1.0, "the others stay: {}", still[1]);
+    }
+
+    #[test]
     fn law_affine_speed_and_constant_input_are_exact() {
         for intervals in [1, 2, 3, 5, 20, 63, 64, 65, 79, 80, 81, 200, 1800] {
             let mut window = Window::new(intervals as f64 * PERIOD_S, PERIOD_S);

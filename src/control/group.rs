@@ -140,3 +140,75 @@ impl Controller for Delegate {
         Some(&mut self.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1, 2, 3, ... times `scale`.
+    fn rising(scale: f64) -> Lanes {
+        std::array::from_fn(|i| scale * (i + 1) as f64)
+    }
+
+    #[test]
+    fn a_law_sees_who_drives_and_answers_to_its_own_slots() {
+        let mut group = GroupPeriod { period_s: 0.01, ..GroupPeriod::default() };
+        assert!(group.is_empty());
+        group.resize(2);
+        assert_eq!((group.len(), group.is_empty()), (2 * LANES, false));
+        let seen = Observation {
+            measured_mps: rising(1.0),
+            reference_mps: rising(2.0),
+            reference_rate_mps2: rising(3.0),
+            nominal_nm_per_mps2: rising(4.0),
+        };
+        let mut delegate = Delegate::default();
+        delegate.feedback(&Actuation {
+            commanded_mps2: rising(5.0),
+            saturated_mps2: rising(6.0),
+            applied_mps2: rising(7.0),
+        });
+        // Nobody is in slot 0, and somebody has just come to slot 2.
+        let mut moving = [1.0; LANES];
+        moving[0] = 0.0;
+        delegate.reset(2, 9.0);
+        let port = delegate.port().unwrap();
+        group.see(1, &moving, &seen, port);
+
+        assert_eq!(group.drives, [[false; LANES], std::array::from_fn(|i| i != 0)].concat());
+        assert_eq!(group.starts, [[false; LANES], std::array::from_fn(|i| i == 2)].concat());
+        assert_eq!(group.nominal_nm_per_mps2[..=LANES], [0.0; LANES + 1], "another block, and nobody's slot");
+        assert_eq!(group.nominal_nm_per_mps2[LANES + 1], 8.0);
+        let at = |slot: usize| {
+            let columns = [&group.measured_mps, &group.reference_mps, &group.reference_rate_mps2];
+            columns.map(|column| column[LANES + slot])
+        };
+        assert_eq!(at(1), [2.0, 4.0, 6.0]);
+        let told = |slot: usize| {
+            let columns = [&group.commanded_mps2, &group.saturated_mps2, &group.applied_mps2];
+            columns.map(|column| column[LANES + slot])
+        };
+        assert_eq!(
+            (told(0), told(1), told(2)),
+            ([0.0; 3], [10.0, 12.0, 14.0], [0.0; 3]),
+            "not of who was there before"
+        );
+        group.see(1, &moving, &seen, port);
+        assert!(!group.starts.contains(&true), "a start is told once");
+
+        group.torque_nm[LANES + 3] = 120.0;
+        group.tell(1, port);
+        let mut command = Command::default();
+        let nobody =
+            Observation { nominal_nm_per_mps2: std::array::from_fn(|i| if i == 1 { 0.0 } else { 400.0 }), ..seen };
+        delegate.command(&nobody, &mut command);
+        assert_eq!((command.torque_nm[3], command.torque_nm[2]), (120.0, 0.0));
+        assert_eq!((command.gain_mps2_per_nm[3], command.gain_mps2_per_nm[1]), (1.0 / 400.0, 0.0));
+        delegate.reset(3, 0.0);
+        delegate.command(&nobody, &mut command);
+        assert_eq!(command.torque_nm[3], 0.0, "no torque of who was there before");
+
+        group.clear();
+        assert!(!group.drives.contains(&true) && group.torque_nm.iter().all(|torque_nm| *torque_nm == 0.0));
+    }
+}

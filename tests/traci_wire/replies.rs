@@ -123,6 +123,35 @@ fn compounds_are_read_down_to_a_depth_and_no_further() {
 }
 
 #[test]
+fn compounds_are_read_field_by_field() {
+    let string = |value: &str| [&[0x0c], &*text(value)].concat();
+    let truth = |value: bool| [0x07, u8::from(value)];
+    let head = [0x0f, 0, 0, 0, 9, 0x09, 0, 0, 0, 2];
+    let link = |lane: &str, [priority, open, foe]: [bool; 3], length_m: f64| {
+        let truths = [truth(priority), truth(open), truth(foe)].concat();
+        [string(lane), string(":via"), truths, string("M"), string("s"), doubles(0x0b, &[length_m])].concat()
+    };
+    let links = [&head[..], &link("a_0", [true, false, true], 1.5), &link("b_0", [false, true, false], 2.5)].concat();
+    let mut batch = Batch::new();
+    let handle = batch.get(lane::LINKS, "v0").unwrap();
+    let answer = long(0xb3, &[&[lane::LINKS.id], &*text("v0"), &links].concat());
+    let (whole, mut index) = (frame(&[&status(0xa3, 0, ""), &answer]), Index::default());
+    let links = index.read(&whole, &batch).unwrap().get(handle).unwrap();
+    let seen: Vec<_> = links.iter().map(|l| (&*l.lane, l.priority, l.open, l.foe, l.length_m)).collect();
+    assert_eq!(seen, [("a_0", true, false, true, 1.5), ("b_0", false, true, false, 2.5)]);
+
+    // Neighbours alone come without types.
+    let near = |id: &str, gap_m: f64| [&*text(id), &gap_m.to_be_bytes()].concat();
+    let neighbours = [&[0x0f, 0, 0, 0, 2][..], &near("v1", 12.5), &near("v2", -0.5)].concat();
+    let mut batch = Batch::new();
+    let handle = batch.get_with(vehicle::NEIGHBORS, "v0", 2).unwrap();
+    let whole = frame(&[&got(vehicle::NEIGHBORS.id, &neighbours)]);
+    let neighbours = index.read(&whole, &batch).unwrap().get(handle).unwrap();
+    let seen: Vec<_> = neighbours.iter().map(|neighbour| (&*neighbour.id, neighbour.gap_m)).collect();
+    assert_eq!(seen, [("v1", 12.5), ("v2", -0.5)]);
+}
+
+#[test]
 fn text_that_is_no_utf_8_is_an_error_at_its_byte() {
     let bad = with_value(&[0x0c, 0, 0, 0, 4, b'a', b'b', 0xff, b'c'], |_| ()).unwrap_err();
     let begin = 4 + 7 + 6 + 7;
