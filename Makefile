@@ -57,13 +57,15 @@ tuning: ## Tune every law with as many gains on the same drives, and judge them 
 	  --condition "told a quarter of the torque: law.torque_scale=0.25" \
 	  --condition "slope of 5 %: road.grade=0.05" \
 	  --condition "slope of -5 %: road.grade=-0.05" \
-	  --condition "hills of 5 %: road.grade=0.05 road.hill_m=400"
+	  --condition "hills of 5 %, 400 m apart: road.grade=0.05 road.hill_m=400"
 	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning_constant --gains $(gains) --trials 60 \
 	  --controllers $(tuned) \
 	  --train scenarios/paper/data/udds.csv --test scenarios/tuning/constant.csv \
 	  --condition "as it is:" \
 	  --condition "told four times the torque: law.torque_scale=4" \
-	  --condition "told a quarter of the torque: law.torque_scale=0.25"
+	  --condition "told a quarter of the torque: law.torque_scale=0.25" \
+	  --condition "four times, dead time 0.25 s: law.torque_scale=4 actuator.delay_s=0.25" \
+	  --condition "a quarter, dead time 0.25 s: law.torque_scale=0.25 actuator.delay_s=0.25"
 
 chaos: setup-test ## Strike runs at random times chaos_n=320 times: kills, cut sockets, full disks; one table (chaos_seed=1)
 	CHAOS_SEED=$(chaos_seed) CHAOS_N=$(chaos_n) cargo test --release --locked --test chaos -- --ignored --nocapture
