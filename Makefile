@@ -37,7 +37,7 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour and a half)
 	cargo test --release --locked --test matrix -- --ignored --nocapture
 
-tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in eleven conditions (ten minutes)
+tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in sixteen conditions (a quarter of an hour)
 	cargo build --release --locked
 	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning --gains $(gains) --trials 60 \
 	  --controllers $(tuned) \
@@ -52,7 +52,20 @@ tuning: ## Tune every law with as many gains on the same drives, and judge them 
 	  --condition "half the mass: vehicle.mass_factor=0.5" \
 	  --condition "twice the mass: vehicle.mass_factor=2" \
 	  --condition "half the friction: vehicle.friction_factor=0.5" \
-	  --condition "twice the mass, dead time 0.25 s: vehicle.mass_factor=2 actuator.delay_s=0.25"
+	  --condition "twice the mass, dead time 0.25 s: vehicle.mass_factor=2 actuator.delay_s=0.25" \
+	  --condition "told four times the torque: law.torque_scale=4" \
+	  --condition "told a quarter of the torque: law.torque_scale=0.25" \
+	  --condition "slope of 5 %: road.grade=0.05" \
+	  --condition "slope of -5 %: road.grade=-0.05" \
+	  --condition "hills of 5 %, 400 m apart: road.grade=0.05 road.hill_m=400"
+	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning_constant --gains $(gains) --trials 60 \
+	  --controllers $(tuned) \
+	  --train scenarios/paper/data/udds.csv --test scenarios/tuning/constant.csv \
+	  --condition "as it is:" \
+	  --condition "told four times the torque: law.torque_scale=4" \
+	  --condition "told a quarter of the torque: law.torque_scale=0.25" \
+	  --condition "four times, dead time 0.25 s: law.torque_scale=4 actuator.delay_s=0.25" \
+	  --condition "a quarter, dead time 0.25 s: law.torque_scale=0.25 actuator.delay_s=0.25"
 
 chaos: setup-test ## Strike runs at random times chaos_n=320 times: kills, cut sockets, full disks; one table (chaos_seed=1)
 	CHAOS_SEED=$(chaos_seed) CHAOS_N=$(chaos_n) cargo test --release --locked --test chaos -- --ignored --nocapture

@@ -4,6 +4,7 @@
 //! free gains, is tuned by the same search on the same recordings, and is judged on other recordings with other noise.
 //! Vehicles drive without SUMO, in the fleet that `run` uses.
 
+mod condition;
 mod drives;
 mod error;
 mod gains;
@@ -13,12 +14,13 @@ mod search;
 mod tuned;
 
 use crate::scenario::Catalog;
+pub use condition::{Condition, Slope};
 use drives::{Drives, Trial};
 pub use error::TuneError;
 use gains::gains;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
-pub use request::{Condition, Request};
+pub use request::Request;
 use row::{Tested, row};
 pub use row::{TunedRow, layout};
 use search::search;

@@ -89,6 +89,27 @@ fn law_a_law_beside_itself_has_a_ratio_of_one() {
 }
 
 #[test]
+fn law_a_wrong_torque_scale_is_the_key_of_those_that_have_one_and_slopes_are_felt() {
+    let folder = folder();
+    let conditions = [
+        "ok:",
+        "key: controller.accel_per_unit_mps2=4",
+        "told: law.torque_scale=4",
+        "level: road.grade=0",
+        "up: road.grade=0.05",
+        "down: road.grade=-0.05",
+        "hills: road.grade=0.05 road.hill_m=200",
+    ];
+    let args: Vec<&str> = conditions.iter().flat_map(|condition| ["--condition", condition]).collect();
+    let rows = rows(folder.path(), &[&args[..], &["--controllers", "classic", "--trials", "3"]].concat());
+    let errors: Vec<f64> = rows.iter().map(|row| number(row, "once_rms")).collect();
+    let [ok, key, told, level, up, down, hills] = errors[..] else { panic!("{errors:?}") };
+    assert_eq!([key, ok], [told, level]);
+    assert!(told > 1.5 * ok && hills > 1.5 * ok && up > 1.05 * ok && down > 1.05 * ok, "{errors:?}");
+    assert_ne!(up, down);
+}
+
+#[test]
 fn law_the_number_of_threads_changes_nothing() {
     let folder = folder();
     let of = |threads: &str| {
@@ -121,6 +142,8 @@ fn what_cannot_be_tuned_is_told() {
         (&["--condition", "late"], "wanted \"NAME: KEY=VALUE KEY=VALUE\""),
         (&["--condition", "late: actuator.delay_s"], "wanted \"NAME: KEY=VALUE KEY=VALUE\""),
         (&["--condition", "late: actuator.delays=1"], "delay_s"),
+        (&["--condition", "up: road.grade=steep"], "found \"road.grade=steep\", wanted a number from -0.3 to 0.3"),
+        (&["--condition", "up: law.torque_scale=0"], "wanted a number from 0.01 to 100"),
         (&["--trials", "0"], "wanted a whole number above 0"),
         (&["--test", "c.csv"], "c.csv"),
     ] {

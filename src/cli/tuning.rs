@@ -29,7 +29,8 @@ pub struct TuneArgs {
     /// Other recordings, to judge on
     #[arg(long, value_name = "FILE", num_args = 1.., required = true, help_heading = SCENARIO, value_hint = ValueHint::FilePath)]
     test: Vec<PathBuf>,
-    /// A condition, "NAME: KEY=VALUE KEY=VALUE"; several make a table [default: the scenario as it is]
+    /// A condition, "NAME: KEY=VALUE KEY=VALUE"; several make a table [default: the scenario as it is]. Beside the scenario's keys there are
+    /// road.grade (0.05 is 5 % uphill), road.hill_m (from hill to hill), and law.torque_scale (4: laws take the vehicle for four times as heavy)
     #[arg(long, value_name = "CONDITION", value_parser = Condition::parse, help_heading = STUDY)]
     condition: Vec<Condition>,
     /// Vehicles per recording, each with noise and draws of its own
@@ -54,7 +55,7 @@ pub struct TuneArgs {
 impl TuneArgs {
     /// What they ask for.
     pub fn request(&self, progress: bool) -> tune::Request {
-        let as_it_is = || vec![Condition { name: "as it is".to_owned(), sets: Vec::new() }];
+        let as_it_is = || vec![Condition::parse("as it is:").expect("a name")];
         tune::Request {
             scenario: Request { scenario: self.scenario.clone(), overrides: self.set.clone() },
             controllers: self.controllers.clone(),

@@ -1,8 +1,9 @@
 //! What one set of gains is tried on: vehicles along recordings, each with noise and draws of its own.
 
+use super::condition::{Condition, Slope};
 use super::error::TuneError;
 use super::gains::Gain;
-use super::request::{Condition, Request};
+use super::request::Request;
 use crate::offline::{End, OfflineError, Outcome, Road, Trip};
 use crate::reference::Profile;
 use crate::scenario::{self, Catalog, Override, Scenario};
@@ -29,6 +30,8 @@ pub struct Drives<'a> {
     train: Vec<Recording>,
     test: Vec<Recording>,
     seeds: usize,
+    slope: Slope,
+    torque_scale: f64,
 }
 
 /// How the vehicles of a trial did: RMS errors [m/s] by seed and recording; `None` did not come to the end.
@@ -51,7 +54,8 @@ impl<'a> Drives<'a> {
         };
         let (train, test) = (recordings("--train", &request.train)?, recordings("--test", &request.test)?);
         let scenario = Scenario::load_offline(&own, catalog)?;
-        Ok(Self { catalog, request: own, scenario, train, test, seeds: request.seeds })
+        let Condition { slope, torque_scale, .. } = *condition;
+        Ok(Self { catalog, request: own, scenario, train, test, seeds: request.seeds, slope, torque_scale })
     }
 
     /// The scenario with the law's own gains.
@@ -87,11 +91,16 @@ impl<'a> Drives<'a> {
         let mut trips: Vec<Trip> = Vec::new();
         for seed in 0..self.seeds {
             for (road, Recording { begin_mps, end, .. }) in roads.iter().zip(recordings) {
-                trips.push(road.trip(first + seed, *begin_mps, *end)?);
+                let mut trip = road.trip(first + seed, *begin_mps, *end)?;
+                trip.vehicle.nominal_nm_per_mps2 *= self.torque_scale;
+                trips.push(trip);
             }
         }
         // A trip has its own profile, so that all share the blocks of one road.
-        let outcomes = roads[0].drive(&trips, |_| {})?;
+        let outcomes = roads[0].drive(&trips, |vehicle| {
+            let place_m = vehicle.distance_m();
+            vehicle.set_grade(self.slope.at(place_m));
+        })?;
         let error = |outcome: &Outcome| outcome.stats.error_rms.filter(|e| outcome.finished && e.is_finite());
         let by_seed = outcomes.chunks(recordings.len()).map(|seed| seed.iter().map(error).collect());
         Ok(Trial { errors_mps: by_seed.collect() })

@@ -1,6 +1,7 @@
 //! What is asked for.
 
-use crate::scenario::{self, Override};
+use super::condition::Condition;
+use crate::scenario;
 use std::path::PathBuf;
 
 /// What is tuned, and on what.
@@ -24,27 +25,4 @@ pub struct Request {
     pub conditions: Vec<Condition>,
     /// Show a progress bar.
     pub progress: bool,
-}
-
-/// A name, and what differs from the scenario.
-#[derive(Debug, Clone)]
-pub struct Condition {
-    /// Its name.
-    pub name: String,
-    /// The keys that differ.
-    pub sets: Vec<Override>,
-}
-
-impl Condition {
-    /// Reads `NAME: KEY=VALUE KEY=VALUE ...`; the values have no blanks.
-    ///
-    /// # Errors
-    /// What was wanted.
-    pub fn parse(text: &str) -> Result<Self, String> {
-        let wanted = || format!("found \"{text}\", wanted \"NAME: KEY=VALUE KEY=VALUE\"");
-        let (name, sets) = text.split_once(':').ok_or_else(wanted)?;
-        let sets: Option<Vec<Override>> = sets.split_whitespace().map(Override::set).collect();
-        let name = Some(name.trim()).filter(|name| !name.is_empty());
-        Ok(Self { name: name.ok_or_else(wanted)?.to_owned(), sets: sets.ok_or_else(wanted)? })
-    }
 }

@@ -1,8 +1,8 @@
 //! A law after its search.
 
+use super::condition::Condition;
 use super::drives::{Drives, Trial};
 use super::gains::Gain;
-use super::request::Condition;
 
 /// A law in a condition, tuned.
 pub struct Tuned<'a> {

@@ -16,6 +16,7 @@ mod lifecycle;
 mod names;
 mod orders;
 mod outputs;
+mod platoon;
 mod quality;
 mod session;
 mod settings;
