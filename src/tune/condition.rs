@@ -45,6 +45,9 @@ impl Condition {
                 _ => condition.sets.push(Override::set(set).ok_or_else(wanted)?),
             }
         }
+        if condition.slope.hill_m > 0.0 && condition.slope.grade == 0.0 {
+            return Err(format!("found \"{text}\", wanted how steep the hills are, too: road.grade"));
+        }
         Ok(condition)
     }
 }
@@ -75,5 +78,7 @@ mod tests {
         assert_eq!(degrees[0], 0.0);
         assert!((degrees[1] - 0.05_f64.atan()).abs() < 1e-12 && (degrees[2] + 0.05_f64.atan()).abs() < 1e-12);
         assert_eq!(Condition::parse("level:").unwrap().slope.at(50.0), 0.0);
+        let flat = Condition::parse("flat hills: road.hill_m=400").unwrap_err();
+        assert!(flat.contains("road.grade"), "{flat}");
     }
 }
