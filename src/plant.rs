@@ -70,3 +70,6 @@ keys! {
         tolerance: f64 = 1e-8, "m/s", 1e-12..=1e-3;
     }
 }
+
+#[cfg(test)]
+mod tests;

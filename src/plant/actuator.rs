@@ -215,6 +215,18 @@ mod tests {
         }
     }
 
+    /// Whether its neighbours have the same dead time or none, a slot's torques are the same.
+    #[test]
+    fn law_the_dead_time_of_a_slot_is_its_own() {
+        let ramp: Vec<f64> = (1..20).map(|k| f64::from(k * k)).collect();
+        for dead_time_s in [0.0, 0.03, 0.0125] {
+            let [mut alone, mut alike] = [Actuators::new(0.01, 0.1), Actuators::new(0.01, 0.1)];
+            alone.set(0, dead_time_s, 0.0, 1e9, 1e9);
+            (0..LANES).for_each(|slot| alike.set(slot, dead_time_s, 0.0, 1e9, 1e9));
+            assert_eq!(respond(&mut alone, &ramp), respond(&mut alike, &ramp), "{dead_time_s} s");
+        }
+    }
+
     #[test]
     fn law_lag_is_the_exact_first_order_answer_to_a_step() {
         let mut actuators = Actuators::new(0.01, 0.0);

@@ -231,4 +231,21 @@ mod tests {
             assert!((got - want).abs() < 1e-14, "{got} against {want}");
         }
     }
+
+    /// Without tyres a body's rates are those of the frame that turns with it, and A is exactly their derivative.
+    #[test]
+    fn law_the_turning_frame_is_in_the_system_with_its_whole_derivative() {
+        let car = Car::new(&crate::plant::Body::default());
+        let drive = Drive::new(&car, 0.0, 0.0, [[0.0, 1.0]; 3]);
+        let (none, still) = (Forces { force: [0.0; 6], slope: [0.0; 6] }, [0.0; 4]);
+        let rate = |x: &Vector| rates::<FourWheels>(&car, &drive, x, &none, &still, &still);
+        let (x, h) = ([30.0, -2.0, 0.5, 0.0, 0.0, 0.0, 0.0], 0.01);
+        let right = [1.0, -2.0, 0.3, 0.0, 0.0, 0.0, 0.0];
+        let out = solve::<FourWheels>(&car, &drive, &x, &none, &still, &right, h);
+        let [ahead, behind] = [0.5, -0.5].map(|s| rate(&std::array::from_fn(|i| x[i] + s * out[i])));
+        for i in 0..3 {
+            let left = out[i] - GAMMA * h * (ahead[i] - behind[i]);
+            assert!((left - right[i]).abs() < 1e-12, "equation {i}: {left} instead of {}", right[i]);
+        }
+    }
 }

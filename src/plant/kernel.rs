@@ -85,3 +85,20 @@ vectorised! {
         advance_lanes(work, block, inputs, moving, h);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Even parts of a period, none of them longer than asked for, and no more than that takes: 0.07/0.01 is 7.
+    #[test]
+    fn law_a_period_is_divided_into_as_few_substeps_as_allowed() {
+        for (substep_s, period_s, wanted) in
+            [(0.01, 0.01, 1), (0.01, 0.07, 7), (0.01, 0.005, 1), (0.003, 0.01, 4), (0.001, 0.01, 10), (0.01, 0.0101, 2)]
+        {
+            let (count, h) = SevenDof::new(substep_s).substeps(period_s);
+            assert_eq!(count, wanted, "{period_s} s by {substep_s} s");
+            assert!((h * count as f64 - period_s).abs() < 1e-15);
+        }
+    }
+}

@@ -434,7 +434,9 @@ mod tests {
     #[test]
     fn law_slip_angles_are_those_of_the_velocity_triangle() {
         let car = Car::new(&(BODIES[0].build)());
-        for (vx, vy, yaw, steer) in [(10.0, 0.3, 0.2, 0.05), (25.0, -1.0, 0.4, -0.1), (3.0, 0.5, 0.5, 0.3)] {
+        for (vx, vy, yaw, steer) in
+            [(10.0, 0.3, 0.2, 0.05), (25.0, -1.0, 0.4, -0.1), (3.0, 0.5, 0.5, 0.3), (1.0, 3.0, 0.2, 0.1)]
+        {
             let drive = Drive::new(&car, 0.0, 0.0, [steer, 0.0, 0.0].map(sine_and_cosine::<Libm>));
             let [.., f, r] = slips::<FourWheels>(&car, &drive, &[vx, vy, yaw, 0.0, 0.0, 0.0, 0.0]).map(|s| s.slip);
             let front = steer - libm::atan2(vy + car.axle_x[0] * yaw, vx);

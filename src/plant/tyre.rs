@@ -86,15 +86,14 @@ pub fn read_curve(text: &str) -> Result<Vec<(f64, f64)>, TyreError> {
 /// The paper's four steps: D is the peak, C = 2 − (2/π) asin(y_s/D) with y_s the asymptotic force, B follows from the
 /// initial slope BCD, E = (Bτ_m − tan(π/2C))/(Bτ_m − atan(Bτ_m)) with τ_m the slip of the peak.
 ///
-/// `curve` holds (slip, force \[N\]) of the driving branch in any order. The peak is refined by a parabola through its
+/// `curve` holds (slip, force \[N\]) of the driving branch in any order, also several for one slip. The peak is refined by a parabola through its
 /// neighbours, the slope is a least-squares fit. A measured curve ends before its asymptote (a slip ratio at 1); y_s is
 /// the one whose tyre lies nearest to all measured points (least squares).
 ///
 /// # Errors
 /// [`TyreError::Curve`] if there is no interior peak, no slope, or no constants that fit.
 pub fn identify(curve: &[(f64, f64)]) -> Result<Identified, TyreError> {
-    let mut points: Vec<_> = curve.iter().copied().filter(|p| p.0 > 0.0).collect();
-    points.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let points = driving_branch(curve);
     if points.len() < 5 {
         return Err(TyreError::Curve("at least five points with positive slip are needed"));
     }
@@ -110,11 +109,20 @@ pub fn identify(curve: &[(f64, f64)]) -> Result<Identified, TyreError> {
         points.iter().map(|p| p.1 / peak_n - tyre.force_per_peak(p.0)).map(|e| e * e).sum::<f64>()
     };
     let tyre = candidate(lowest(&miss, -0.95, 0.995));
-    if [tyre.b, tyre.c, tyre.e].iter().all(|x| x.is_finite()) && tyre.b > 0.0 {
+    if [tyre.b, tyre.c, tyre.e].iter().all(|x| x.is_finite()) {
         Ok(Identified { tyre, peak_n })
     } else {
         Err(TyreError::Curve("no Magic Formula constants fit"))
     }
+}
+
+/// The points with positive slip, by slip. Of a slip that was measured several times it has the mean force: two points above
+/// each other have no slope, which the peak needs.
+fn driving_branch(curve: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let mut points: Vec<_> = curve.iter().copied().filter(|p| p.0 > 0.0).collect();
+    points.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let mean = |same: &[(f64, f64)]| (same[0].0, same.iter().map(|p| p.1).sum::<f64>() / same.len() as f64);
+    points.chunk_by(|p, q| p.0 == q.0).map(mean).collect()
 }
 
 /// Steps 2 to 4 for a peak D at slip τ_m, y_s/D and an initial slope.
@@ -211,11 +219,72 @@ mod tests {
         assert!(read_curve("0.1,NaN").is_err());
     }
 
+    /// The four steps of the paper, read backwards: the tyre has its peak at τ_m, begins with the slope, and ends at y_s.
+    #[test]
+    fn law_a_tyre_has_the_peak_the_slope_and_the_asymptote_it_was_made_of() {
+        for (asymptote, slope) in [(0.9, 80_000.0), (0.5, 70_000.0), (0.0, 60_000.0)] {
+            let tyre = four_steps(0.1, 4000.0, asymptote, slope);
+            assert!((tyre.slope_per_peak() * 4000.0 / slope - 1.0).abs() < 1e-12, "{tyre:?}");
+            assert!((tyre.force_per_peak(1e9) - asymptote).abs() < 1e-6, "{tyre:?}");
+            assert!((tyre.force_per_peak(0.1) - 1.0).abs() < 1e-12, "{tyre:?}");
+            assert!(tyre.force_per_peak(0.09) < 1.0 && tyre.force_per_peak(0.11) < 1.0, "{tyre:?}");
+        }
+    }
+
+    #[test]
+    fn law_the_top_of_a_parabola_is_found_between_its_points() {
+        let at = |x: f64| (x, 1000.0 - 5.0 * (x - 12.0) * (x - 12.0));
+        for [p, q, r] in [[10.0, 11.5, 15.0], [11.0, 12.0, 20.0], [4.0, 12.5, 13.0]] {
+            let (x, y) = parabola_top(at(p), at(q), at(r));
+            assert!((x - 12.0).abs() < 1e-9 && (y - 1000.0).abs() < 1e-9, "{p}, {q}, {r}: ({x}, {y})");
+        }
+    }
+
+    /// Readings that are 2 % of the peak too high and too low in turn: the slope is that of all points near zero.
+    #[test]
+    fn law_the_slope_of_a_rough_curve_is_that_of_many_points() {
+        let tyre = Tyre { b: 10.0, c: 1.65, e: 0.5 };
+        let mut rough = curve(&tyre, 4200.0, 0.0005, 1.0);
+        rough.iter_mut().enumerate().for_each(|(k, p)| p.1 += if k % 2 == 0 { 84.0 } else { -84.0 });
+        let found = identify(&rough).unwrap();
+        let slope = found.peak_n * found.tyre.slope_per_peak();
+        assert!((slope / (4200.0 * 16.5) - 1.0).abs() < 0.05, "{slope} N, {found:?}");
+    }
+
+    /// Every slip twice, alike or 100 N too high and too low: the same tyre.
+    #[test]
+    fn law_measuring_every_slip_twice_changes_nothing() {
+        let once = curve(&Tyre { b: 10.0, c: 1.65, e: 0.5 }, 4200.0, 0.01, 1.0);
+        let found = identify(&once).unwrap();
+        for apart_n in [0.0, 100.0] {
+            let twice: Vec<_> = once.iter().flat_map(|p| [(p.0, p.1 - apart_n), (p.0, p.1 + apart_n)]).collect();
+            let again = identify(&twice).unwrap();
+            assert!((again.peak_n / found.peak_n - 1.0).abs() < 1e-9, "{again:?} instead of {found:?}");
+            assert!((again.tyre.b / found.tyre.b - 1.0).abs() < 1e-9, "{again:?} instead of {found:?}");
+        }
+    }
+
+    /// Below a quarter of the peak there are only two readings at almost one slip: their mean gives the slope.
+    #[test]
+    fn two_readings_at_almost_one_slip_are_a_slope() {
+        let coarse =
+            [(0.05, 2000.0), (0.050000001, 1600.0), (0.1, 4000.0), (0.2, 3900.0), (0.5, 3500.0), (1.0, 3300.0)];
+        let found = identify(&coarse).unwrap();
+        assert!((found.peak_n * found.tyre.slope_per_peak() / 36_000.0 - 1.0).abs() < 1e-6, "{found:?}");
+    }
+
     #[test]
     fn curves_without_a_tyre_in_them_are_refused() {
         let line = |f: fn(f64) -> f64| (0..50).map(|k| (0.02 * f64::from(k), f(f64::from(k)))).collect::<Vec<_>>();
         for curve in [vec![], line(|_| 0.0), line(|k| k), line(|k| -k), line(|_| 7.0)] {
             assert!(matches!(identify(&curve), Err(TyreError::Curve(_))), "{curve:?}");
+        }
+        // Nothing at first, or next to nothing, and then a peak.
+        let hump = |first: f64| move |k: f64| if k < 10.0 { first * k } else { 1.0 - 0.001 * (k - 30.0) * (k - 30.0) };
+        for (first, why) in [(0.0, "the force does not rise from zero slip"), (1e-15, "no Magic Formula constants fit")]
+        {
+            let curve: Vec<_> = (0..50).map(|k| (0.02 * f64::from(k), hump(first)(f64::from(k)))).collect();
+            assert_eq!(identify(&curve), Err(TyreError::Curve(why)));
         }
     }
 }

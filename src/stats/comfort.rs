@@ -76,3 +76,24 @@ impl Comfort {
         &self.window
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After a push the filters ring for minutes. Then nothing is left, and until then settling costs nothing.
+    #[test]
+    fn law_a_push_is_forgotten_at_last() {
+        let [mut settled, mut plain] = [Comfort::new(0.05), Comfort::new(0.05)];
+        for k in 0..20_000 {
+            let speed_mps = [if k == 0 { 0.0 } else { 1.0 }; LANES];
+            settled.sample(&speed_mps, &[1.0; LANES]);
+            settled.settle();
+            plain.sample(&speed_mps, &[1.0; LANES]);
+        }
+        assert!(settled.driving.has_faded() && settled.sickness.has_faded());
+        assert!(!plain.sickness.has_faded(), "it needs settling");
+        assert_eq!(settled.acceleration(0), plain.acceleration(0));
+        assert_eq!(settled.sickness(0), plain.sickness(0));
+    }
+}

@@ -326,4 +326,79 @@ mod tests {
         assert_eq!((quality.speed_change_rating, quality.jerk_rms_target), (None, Some(0.0)));
         near(Some(block.driven.distance_m[0]), 30.0);
     }
+
+    /// A speed that rises and falls, one sample per period and one step per second.
+    fn ride(block: &mut QualityBlock, slot: usize, active: &Lanes) {
+        block.set_load(slot, &LOAD);
+        block.rejoin(slot, 10.0);
+        for second in 0..20 {
+            for k in 1..=100 {
+                let speed_mps = 10.0 + 2.0 * (0.01 * f64::from(100 * second + k)).sin();
+                block.sample(&[speed_mps; LANES], &[50.0; LANES], &[[30.0; LANES]; 4], active);
+            }
+            let speed_mps = 10.0 + 2.0 * f64::from(second + 1).sin();
+            block.step(&[speed_mps; LANES], &[speed_mps + 0.1; LANES], 100, active);
+        }
+    }
+
+    #[test]
+    fn law_who_does_not_drive_is_not_rated() {
+        assert_eq!(QualityBlock::new(PERIOD_S).read(0), DriveQuality::default());
+        let mut block = QualityBlock::new(PERIOD_S);
+        block.set_load(1, &LOAD);
+        ride(&mut block, 0, &std::array::from_fn(|slot| if slot == 0 { 1.0 } else { 0.0 }));
+        assert_eq!(block.read(1), DriveQuality::default());
+        assert!(block.read(0).comfort_accel > Some(0.1) && block.read(0).motion_sickness > Some(0.1));
+    }
+
+    #[test]
+    fn law_a_new_vehicle_feels_nothing_of_the_one_before() {
+        let [mut second, mut first] = [QualityBlock::new(PERIOD_S), QualityBlock::new(PERIOD_S)];
+        ride(&mut second, 0, &ACTIVE);
+        crate::columns::Slots::clear(&mut second, 0);
+        ride(&mut second, 0, &ACTIVE);
+        ride(&mut first, 0, &ACTIVE);
+        assert_eq!(second.read(0), first.read(0));
+    }
+
+    /// Whatever the step, the inertial work is the kinetic energy that was gained, 1000/2·(14² − 10²), and against
+    /// 100 N of rolling resistance and no drag the cycle takes 100 J more for every metre.
+    #[test]
+    fn law_inertial_work_is_the_kinetic_energy_gained() {
+        for (periods, steps) in [(10, 40), (50, 8), (100, 4)] {
+            let mut block = QualityBlock::new(PERIOD_S);
+            block.set_load(0, &RoadLoad { drag_ns2pm2: 0.0, ..LOAD });
+            block.rejoin(0, 10.0);
+            for k in 1..=steps {
+                let speed_mps = 10.0 + 4.0 * f64::from(k) / f64::from(steps);
+                block.step(&[speed_mps; LANES], &[speed_mps; LANES], periods, &ACTIVE);
+            }
+            near(Some(block.driven.distance_m[0]), 48.0);
+            near(Some(block.driven.inertial_work_j[0]), 48_000.0);
+            near(Some(block.driven.cycle_energy_j[0]), 52_800.0);
+        }
+    }
+
+    #[test]
+    fn a_vehicle_that_only_brakes_or_only_drives_has_worked() {
+        for (torque_nm, tractive_kj, braking_kj) in [(400.0, 12.0, 0.0), (-400.0, 0.0, 12.0)] {
+            let mut block = QualityBlock::new(PERIOD_S);
+            block.set_load(0, &LOAD);
+            (0..100).for_each(|_| block.sample(&[9.0; LANES], &[torque_nm; LANES], &[[30.0; LANES]; 4], &ACTIVE));
+            near(block.read(0).tractive_work, tractive_kj);
+            near(block.read(0).braking_work, braking_kj);
+        }
+    }
+
+    /// In windows of 0.5 s from 0 to 1 m/s² is a jerk of exactly 2 m/s³, which is not above it; to 1.25 m/s² is.
+    #[test]
+    fn a_jerk_of_exactly_the_bound_is_not_high() {
+        for (gained_mps, share) in [(0.5, 0.0), (0.625, 1.0)] {
+            let mut block = QualityBlock::new(0.5);
+            for speed_mps in [0.0, gained_mps] {
+                block.sample(&[speed_mps; LANES], &[0.0; LANES], &[[0.0; LANES]; 4], &ACTIVE);
+            }
+            assert_eq!(block.read(0).high_jerk_share, Some(share));
+        }
+    }
 }

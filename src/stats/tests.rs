@@ -213,3 +213,80 @@ fn law_a_new_vehicle_does_not_inherit_the_overshoot() {
     block.sample(&one(12.0, 10.0));
     near(block.read(0).overshoot_max, 0.0, 0.0);
 }
+
+/// What stands in the slot of a vehicle that is off the road is not its motion: its statistics are those of the same drive
+/// without the pause.
+#[test]
+fn law_a_pause_leaves_no_trace() {
+    let mut noise = Stream::new(7, "test", "pause");
+    let mut blocks = [StatsBlock::new(PERIOD_S), StatsBlock::new(PERIOD_S)];
+    blocks.iter_mut().for_each(|block| block.reset(0, 0.0));
+    let [paused, driven] = &mut blocks;
+    for k in 0..600 {
+        let wanted = if k < 300 { 10.0 } else { 20.0 };
+        let mut sample = one(wanted + noise.normal(), wanted);
+        sample.torque_nm[0] = 100.0 * noise.normal();
+        driven.sample(&sample);
+        paused.sample(&sample);
+        let elsewhere = [1e3, f64::NAN, -1e3][k % 3];
+        let mut off = Sample { speed_mps: [elsewhere; LANES], torque_nm: [elsewhere; LANES], ..Sample::default() };
+        off.reference_mps = [20.0 * noise.uniform(); LANES];
+        paused.sample(&off);
+        paused.step(&StepSample { speed_gap_mps: [elsewhere; LANES], bound_limit: [1.0; LANES], ..Default::default() });
+    }
+    assert_eq!(paused.read(0), driven.read(0));
+    assert!(paused.read(0).overshoot_max > Some(1.0) && paused.read(0).jerk_rms.is_some());
+    assert_eq!(paused.read(1), VehicleStats::default(), "nobody ever drove there");
+}
+
+#[test]
+fn law_the_rms_of_torques_is_between_their_magnitudes() {
+    let mut block = StatsBlock::new(PERIOD_S);
+    for k in 0..400 {
+        let mut sample = one(10.0, 10.0);
+        sample.torque_nm[0] = if k % 2 == 0 { 100.0 } else { -700.0 };
+        block.sample(&sample);
+    }
+    near(block.read(0).torque_rms, 500.0, 1e-9);
+}
+
+#[test]
+fn a_vehicle_put_elsewhere_waits_for_another_rise() {
+    // Under way to 10 m/s it is put to 20 m/s, from where it brakes: it did not shoot beyond 10 m/s.
+    let mut block = StatsBlock::new(PERIOD_S);
+    block.reset(0, 0.0);
+    (0..50).for_each(|k| block.sample(&one(0.1 * f64::from(k), 10.0)));
+    block.rejoin(0, 20.0);
+    (0..50).for_each(|k| block.sample(&one(20.0 - 0.1 * f64::from(k), 10.0)));
+    near(block.read(0).overshoot_max, 0.0, 0.0);
+}
+
+#[test]
+fn a_rise_is_over_when_the_reference_has_fallen_by_more_than_its_measure() {
+    // Up to 20, down to 10, up to 15 with a peak of 16.25: the crest of the first rise counts no more.
+    let drive_to = |v: f64, y: f64| (0..100).map(move |k| (v * f64::from(k) / 100.0, y));
+    let again = [(10.0, 10.0), (12.0, 15.0), (16.25, 15.0)];
+    near(drive(0.0, drive_to(20.0, 20.0).chain(again)).overshoot_max, 1.25, 0.0);
+    // Down by exactly the measure the rise goes on, and its crest is 10; by a little more it is over.
+    for (fallen, overshoot) in [(10.0 - RISE_MPS, 0.25), (9.9 - RISE_MPS, 0.0)] {
+        let points = [(5.0, 10.0), (9.0, fallen), (10.25, fallen)];
+        near(drive(0.0, points).overshoot_max, overshoot, 0.0);
+    }
+}
+
+#[test]
+fn a_rise_must_exceed_its_measure_and_lie_above_the_vehicle() {
+    // A vehicle that swings about a reference that stands still, or is lifted by exactly the measure, overshoots nothing.
+    for reference in [10.0, 10.0 + RISE_MPS] {
+        near(drive(10.0, [(9.75, reference), (11.0, reference)]).overshoot_max, 0.0, 0.0);
+    }
+    near(drive(10.0, [(9.75, 10.75), (11.0, 10.75)]).overshoot_max, 0.25, 0.0);
+    // Nor does one that the reference has just reached from below.
+    near(drive(12.0, [(12.0, 5.0), (12.0, 12.0), (12.5, 12.0)]).overshoot_max, 0.0, 0.0);
+}
+
+#[test]
+fn a_slow_rise_is_a_rise() {
+    let ramp = (0..1000).map(|k| (0.01 * f64::from(k) - 0.1, 0.01 * f64::from(k)));
+    near(drive(0.0, ramp.chain([(10.5, 10.0)])).overshoot_max, 0.5, 1e-12);
+}

@@ -86,12 +86,14 @@ impl<const N: usize> Weighting<N> {
         x
     }
 
-    /// Lets memory that has faded be zero.
+    /// Lets memory that has faded be zero. Both values of a section go at once: one without the other would be a push.
     #[inline(always)]
     pub fn settle(&mut self) {
-        for column in self.memory.as_flattened_mut() {
-            for value in column {
-                *value = if value.abs() < NOTHING { 0.0 } else { *value };
+        for [first, second] in &mut self.memory {
+            for i in 0..LANES {
+                let faded = first[i].abs().max(second[i].abs()) < NOTHING;
+                first[i] = if faded { 0.0 } else { first[i] };
+                second[i] = if faded { 0.0 } else { second[i] };
             }
         }
     }
@@ -108,6 +110,13 @@ mod tests {
     use super::*;
 
     const PERIOD_S: f64 = 0.01;
+
+    impl<const N: usize> Weighting<N> {
+        /// True if nothing is left of what was weighed.
+        pub(in crate::stats) fn has_faded(&self) -> bool {
+            self.memory.as_flattened().iter().flatten().all(|value| *value == 0.0)
+        }
+    }
 
     /// The gain for a sine, by its RMS over whole periods after it has settled.
     fn gain<const N: usize>(mut weighting: Weighting<N>, frequency_hz: f64) -> f64 {

@@ -68,7 +68,8 @@ impl Window {
         let mut closes = [false; LANES];
         for i in 0..LANES {
             self.elapsed[i] += if active[i] > 0.0 { 1.0 } else { 0.0 };
-            closes[i] = (active[i] > 0.0) & (self.elapsed[i] >= self.periods);
+            // A window that is full is closed at once: who does not drive has none.
+            closes[i] = self.elapsed[i] >= self.periods;
         }
         if closes.contains(&true) {
             self.close(speed_mps, &closes);
