@@ -365,7 +365,7 @@ impl Sumo for Fake {
     }
 
     fn waited(&self) -> Duration {
-        Duration::ZERO
+        Duration::from_millis(self.step)
     }
 }
 

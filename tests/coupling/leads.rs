@@ -70,9 +70,13 @@ fn law_the_time_gap_is_kept_behind_a_slow_car() {
 #[test]
 fn a_law_of_speeds_alone_follows_the_speed_ahead() {
     let sets = ["target.name=ctg_acc", "target.gap_per_s2=0", "target.speed_per_s=0.5", "target.decel_max_mps2=3"];
-    let mut world = world(Fake::new([Car { speed_mps: 16.0, ..Car::new("a", 0, 0) }, slow(90.0, 12.0)]), &sets);
+    let mut world = world(
+        Fake::new([Car { speed_mps: 16.0, ..Car::new("a", 0, 0) }, Car { speed_mps: 12.0, ..slow(90.0, 12.0) }]),
+        &sets,
+    );
     step(&mut world, 200);
     assert!((speed_mps(&world, "a") - 12.0).abs() < 0.05, "{}", speed_mps(&world, "a"));
+    assert_eq!(record(&end(world), "a").stats.clamped_steps, 0, "SUMO had no need to brake it");
 }
 
 #[test]

@@ -37,6 +37,7 @@ fn time_goes_by_sumos_steps_and_records_are_taken_once() {
     world.time_fleet();
     step(&mut world, 40);
     assert!((world.time_s() - 40.0 * STEP_S).abs() < 1e-12, "{}", world.time_s());
+    assert_eq!(world.waited().as_millis(), 40, "a millisecond for each step, says the world in memory");
     assert!(!world.fleet().time_spent().plant.is_zero());
     assert_eq!(world.take_finished().iter().map(|row| &*row.id).collect::<Vec<_>>(), ["a"]);
     assert!(world.take_finished().is_empty());
