@@ -223,6 +223,8 @@ mod tests {
         assert_eq!(change(&|m| m.speed_mps = m.speed_mps.max(1e-9)), [3]);
         assert_eq!(change(&|m| m.speed_mps = if (28.5..29.5).contains(&m.time_s) { 0.01 } else { m.speed_mps }), [3]);
         assert_eq!(change(&|m| m.distance_m += 2.0), [3]);
+        assert_eq!(change(&|m| m.distance_m = 0.0), [3], "it has never left");
+        assert_eq!(change(&|m| m.distance_m = LIGHT_M), [3], "it is to stand before the light");
         assert_eq!(change(&|m| m.speed_mps = if m.time_s < 30.0 { m.speed_mps } else { 0.0 }), [4]);
         assert_eq!(failed(&drive(), Some(-0.2)), [5]);
         assert_eq!(failed(&[], None), [0, 1, 2, 3, 4, 5]);
