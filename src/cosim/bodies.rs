@@ -200,6 +200,7 @@ mod tests {
         assert_eq!(preset_of_class("passenger"), Some("car"));
         assert_eq!(preset_of_class("coach"), Some("bus"));
         assert_eq!(preset_of_class("delivery"), Some("van"));
+        assert_eq!(["truck", "trailer"].map(preset_of_class), [Some("truck"); 2]);
         assert_eq!(preset_of_class("bicycle"), None);
         assert_eq!(preset_of_class("rail_urban"), None);
     }
@@ -214,5 +215,30 @@ mod tests {
         assert!((bus.wheelbase_m() - 9.0).abs() < 1e-9);
         let per_mass = |b: &Body| b.brake_torque_max_nm / b.mass_kg;
         assert!((per_mass(&bus) - per_mass(&before)).abs() < 1e-9);
+        // The radius of gyration grows with the length.
+        let gyration = |b: &Body| (b.yaw_inertia_kgm2 / b.mass_kg).sqrt() / b.wheelbase_m();
+        assert!((gyration(&bus) - gyration(&before)).abs() < 1e-9, "{} {}", gyration(&bus), gyration(&before));
+        let mut unknown = before.clone();
+        scale(&mut unknown, &TypeFacts::default());
+        assert_eq!(unknown, before, "without a length or a mass it stays as it is");
+    }
+
+    #[test]
+    fn law_torque_limits_are_what_the_type_asks_for_and_15_percent() {
+        for asked_mps2 in [[4.0, 12.0], [8.0, 24.0]] {
+            let mut body = (find("body", &BODIES, "truck").unwrap().build)();
+            let [accel_mps2, emergency_decel_mps2] = asked_mps2;
+            cover_type(
+                &mut body,
+                &TypeFacts { accel_mps2, emergency_decel_mps2, ..TypeFacts::default() },
+                &BodyKeys::default(),
+            );
+            let given =
+                [body.drive_torque_max_nm, body.brake_torque_max_nm].map(|torque_nm| torque_nm / body.wheel_radius_m);
+            for (given_n, asked_mps2) in given.into_iter().zip(asked_mps2) {
+                let reserve = given_n / (body.effective_mass_kg() * asked_mps2);
+                assert!((reserve - 1.15).abs() < 1e-9, "{reserve}");
+            }
+        }
     }
 }

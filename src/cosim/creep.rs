@@ -46,6 +46,16 @@ mod tests {
     }
 
     #[test]
+    fn the_bounds_themselves_are_slow_and_not_long() {
+        assert!(crept(61, |_| SLOW_MPS), "it never exceeds that");
+        let mut creep = Creep::default();
+        (0..240).for_each(|_| creep.note(0.5, 0.25));
+        assert!(!creep.crept, "60 s are not longer than that");
+        creep.note(0.5, 0.25);
+        assert!(creep.crept);
+    }
+
+    #[test]
     fn who_stands_or_gets_on_does_not() {
         assert!(!crept(3600, |_| 0.0));
         assert!(!crept(3600, |step| if step % 400 < 395 { 0.5 } else { 3.0 }), "a queue that moves up");

@@ -178,3 +178,50 @@ impl EgoTable {
         self.by_id.is_empty()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ego(id: &str) -> Ego {
+        Ego {
+            object: Object::new(id).unwrap(),
+            type_id: String::new(),
+            group: 0,
+            slot: Slot::default(),
+            depart_s: 0.0,
+            presence: Presence::Driving,
+            teleported: false,
+            carried: false,
+            lane: String::new(),
+            odometer_offset_m: 0.0,
+            odometer_gap_m: None,
+            road: None,
+            leader: None,
+            keeps_plan: false,
+            follower: Follower::default(),
+            creep: Creep::default(),
+            watch: Watch::default(),
+            headway_before_s: None,
+            headway_s: None,
+            imperfection_before: None,
+            parameters: Vec::new(),
+            ordered_parameters: Vec::new(),
+            has_ordered_speed: false,
+            colour_before: None,
+            shade: None,
+        }
+    }
+
+    #[test]
+    fn who_has_come_and_gone_leaves_no_gap_for_ever() {
+        let mut egos = EgoTable::default();
+        assert!(egos.is_empty());
+        for id in (0..100).map(|i| format!("v{i}")) {
+            egos.insert(ego(&id));
+            assert_eq!((egos.is_empty(), egos.len(), egos.iter().count()), (false, 1, 1));
+            let left = egos.remove(Slot::default()).unwrap();
+            assert!(**left.id() == *id && egos.is_empty() && egos.order.len() <= 1, "{} places", egos.order.len());
+        }
+    }
+}

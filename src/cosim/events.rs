@@ -67,4 +67,23 @@ mod tests {
         events.note_teleports(ids(&["c"]), Vec::new());
         assert!(events.carried.is_empty());
     }
+
+    #[test]
+    fn a_step_is_quiet_again_after_a_collision_or_a_teleport() {
+        let quiet = Events { time_s: 3.0, expected: 7, departed: vec!["a".into()], ..Events::default() };
+        assert!(quiet.is_quiet(), "comings and goings concern nobody else");
+        let collision = Events { colliding: true, collisions: vec![["a".into(), "b".into()]], ..quiet.clone() };
+        let teleport = Events { teleported: vec!["a".into()], found: vec!["b".into()], ..quiet.clone() };
+        for mut events in [collision, teleport] {
+            assert!(!events.is_quiet());
+            events.clear();
+            assert!(
+                events.is_quiet()
+                    && events.collisions.is_empty()
+                    && events.departed.is_empty()
+                    && events.found.is_empty()
+            );
+            assert_eq!((events.time_s, events.expected), (3.0, 7), "these stay");
+        }
+    }
 }

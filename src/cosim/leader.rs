@@ -174,3 +174,58 @@ impl Leader {
         clamped
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP_S: f64 = 0.1;
+
+    /// A vehicle that would drive 1.2 times the limit of 15 m/s.
+    fn leader(speed_max_mps: f64) -> Leader {
+        let (accel_mps2, decel_mps2, speed_mode) = (2.6, 4.5, 31);
+        let before = Before { speed_factor: 1.2, accel_mps2, decel_mps2, speed_mode, speed_max_mps };
+        Leader::new(before, 15.0, &Target::Limit)
+    }
+
+    /// As in SUMO's tripinfo: the time of the way, less the time that the same way takes at the speed of the free road.
+    #[test]
+    fn law_the_time_lost_is_what_the_way_took_beyond_the_free_road() {
+        let speed_mps = |k: u32| f64::from(k % 70) * 0.25;
+        for (speed_max_mps, free_mps) in [(60.0, 18.0), (16.0, 16.0)] {
+            let mut leader = leader(speed_max_mps);
+            (0..300).for_each(|k| leader.lose_time(speed_mps(k), false, STEP_S));
+            let way_m: f64 = (0..300).map(|k| speed_mps(k) * STEP_S).sum();
+            let wanted_s = 30.0 - way_m / free_mps;
+            assert!(
+                wanted_s > 10.0 && (leader.time_loss_s - wanted_s).abs() < 1e-9,
+                "{} {wanted_s}",
+                leader.time_loss_s
+            );
+        }
+    }
+
+    #[test]
+    fn who_stops_as_planned_or_may_not_drive_at_all_loses_no_time() {
+        let mut leader = leader(60.0);
+        leader.lose_time(0.0, true, STEP_S);
+        leader.limit_mps = 0.0;
+        leader.lose_time(0.0, false, STEP_S);
+        assert_eq!(leader.time_loss_s, 0.0);
+    }
+
+    #[test]
+    fn the_gap_to_another_vehicle_has_no_rate() {
+        let mut leader = leader(60.0);
+        let mut rate_mps = |ahead: Option<(&str, f64)>| {
+            leader.see_ahead(ahead.map(|(id, gap_m)| (id.to_owned(), gap_m)), STEP_S);
+            leader.gap_rate_mps
+        };
+        assert_eq!(rate_mps(Some(("a", 50.0))), 0.0);
+        assert!((rate_mps(Some(("a", 49.5))) + 5.0).abs() < 1e-9, "it comes nearer");
+        assert_eq!(rate_mps(Some(("b", 20.0))), 0.0, "it has cut in");
+        assert!((rate_mps(Some(("b", 20.2))) - 2.0).abs() < 1e-9);
+        assert_eq!(rate_mps(None), 0.0);
+        assert_eq!(rate_mps(Some(("b", 60.0))), 0.0, "it is there again");
+    }
+}

@@ -184,6 +184,29 @@ mod tests {
         assert!((gain.string_gain_linf.unwrap() - 1.0).abs() < 1e-9, "0.7 over 0.7: {gain:?}");
     }
 
+    /// Follows for 30 s in which both swing about 30 m/s, the follower from its highest speed, the vehicle ahead from the middle.
+    fn gain_of(amplitudes_mps: [f64; 2]) -> f64 {
+        let (mut follower, ahead): (Follower, Arc<str>) = (Follower::default(), "a".into());
+        follower.see(Some((&ahead, Slot::default())));
+        for k in 0..300 {
+            let phase = f64::from(k) * STEP_S * std::f64::consts::TAU / 10.0;
+            let swings = [phase.cos(), phase.sin()];
+            follower.note([0, 1].map(|i| 30.0 + amplitudes_mps[i] * swings[i]), STEP_S);
+        }
+        follower.gain().string_gain_l2.unwrap()
+    }
+
+    #[test]
+    fn law_the_gain_is_that_about_the_means_wherever_an_episode_begins() {
+        assert!((gain_of([0.6, 0.5]) - 1.2).abs() < 1e-9, "{}", gain_of([0.6, 0.5]));
+    }
+
+    /// Sums of squares of whole speeds would have no digits left for it.
+    #[test]
+    fn law_the_gain_of_small_swings_at_a_high_speed_has_its_digits() {
+        assert!((gain_of([6e-7, 5e-7]) - 1.2).abs() < 1e-6, "{}", gain_of([6e-7, 5e-7]));
+    }
+
     #[test]
     fn who_follows_nobody_or_somebody_steady_has_no_gain() {
         assert_eq!(Follower::default().gain(), StringGain::default());

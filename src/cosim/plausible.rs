@@ -223,6 +223,44 @@ mod tests {
     }
 
     #[test]
+    fn what_is_just_at_a_bound_is_not_beyond_it() {
+        assert_eq!(ended(&driven([[ERROR_MPS, 0.0, 50.0], [-ERROR_MPS, 0.0, 50.0]]), false, 5000.0, 0.0), [""; 0]);
+        assert_eq!(ended(&Watch::default(), false, 50_000.0, 0.5 * GAP_M), [""; 0], "twice that in \"b\"");
+        assert_eq!(ended(&Watch::default(), false, 900.0, 0.5 * SHORT_GAP.0), [""; 0]);
+        let weak = driven((0..30).map(|_| [0.0, -BRAKING_MPS2, 14.0]));
+        assert_eq!(ended(&weak, false, 1000.0, 0.0).len(), 1, "at least this hard");
+    }
+
+    /// Whoever comes first: the worst is told.
+    #[test]
+    fn law_the_worst_of_all_vehicles_is_told() {
+        for order in [["mild", "worst", "odd"], ["worst", "odd", "mild"], ["odd", "mild", "worst"]] {
+            let mut implausible = Implausible::default();
+            for id in order {
+                let (steps, error_mps): (u32, f64) = match id {
+                    "worst" => (30, -190.0),
+                    "odd" => (20, 160.0),
+                    _ => (10, 130.0),
+                };
+                let watch = driven((0..steps).map(|_| [error_mps, -4.5, 14.0]));
+                let (id, odometer_gap_m) = (Arc::from(id), Some(20.0 * error_mps));
+                let (time_s, diverged, speed_mps, distance_m) = (60.0, false, 14.0, 100.0);
+                implausible.note(&Ending {
+                    id: &id,
+                    watch: &watch,
+                    time_s,
+                    diverged,
+                    speed_mps,
+                    distance_m,
+                    odometer_gap_m,
+                });
+            }
+            let lines: Vec<String> = implausible.notes().collect();
+            assert!(lines.len() == 3 && lines.iter().all(|line| line.contains("the worst, \"worst\"")), "{lines:?}");
+        }
+    }
+
+    #[test]
     fn each_kind_is_one_line_with_the_worst_vehicle_its_time_and_its_quantity() {
         let wild = driven([[-150.0, 0.0, 0.0], [220.04, 0.0, 0.0], [-180.0, 0.0, 0.0]]);
         assert_eq!(

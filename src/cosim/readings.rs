@@ -104,3 +104,20 @@ impl Readings {
         sumo.answers(asked, note).await
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odometers_are_read_once_a_second_or_in_every_longer_step() {
+        for (step_s, count) in [(0.1, 10), (0.05, 5), (0.5, 10), (1.0, 10), (2.0, 10), (0.001, 3)] {
+            let readings = Readings::every_second(step_s, false);
+            let due: Vec<u64> = (1..).filter(|step| readings.are_due(*step)).take(count).collect();
+            for (second, step) in (1..).zip(due) {
+                let time_s = step as f64 * step_s;
+                assert!((time_s - f64::from(second) * step_s.max(1.0)).abs() < 1e-9, "{step_s}: {time_s}");
+            }
+        }
+    }
+}

@@ -215,11 +215,16 @@ mod tests {
             failed(&drive, Some(0.01))
         };
         assert_eq!(change(&|_| {}), [0; 0]);
+        let held = |m: &mut Moment| m.sumo_mps *= if m.time_s < 1.05 { 0.0 } else { 1.0 };
+        assert_eq!(change(&held), [0; 0], "SUMO holds a car that has just departed");
         assert_eq!(change(&|m| m.believed_mps += 1e-3), [0]);
         assert_eq!(change(&|m| m.sumo_mps += if m.sumo_mps > 0.0 { 1e-3 } else { 0.0 }), [1]);
         assert_eq!(change(&|m| m.speed_mps = if m.time_s < 20.0 { m.speed_mps.min(17.0) } else { m.speed_mps }), [2]);
         assert_eq!(change(&|m| m.speed_mps = m.speed_mps.max(1e-9)), [3]);
+        assert_eq!(change(&|m| m.speed_mps = if (28.5..29.5).contains(&m.time_s) { 0.01 } else { m.speed_mps }), [3]);
         assert_eq!(change(&|m| m.distance_m += 2.0), [3]);
+        assert_eq!(change(&|m| m.distance_m = 0.0), [3], "it has never left");
+        assert_eq!(change(&|m| m.distance_m = LIGHT_M), [3], "it is to stand before the light");
         assert_eq!(change(&|m| m.speed_mps = if m.time_s < 30.0 { m.speed_mps } else { 0.0 }), [4]);
         assert_eq!(failed(&drive(), Some(-0.2)), [5]);
         assert_eq!(failed(&[], None), [0, 1, 2, 3, 4, 5]);

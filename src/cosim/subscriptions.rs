@@ -97,3 +97,36 @@ impl<'a> Gets<'a> for Variables {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::traci::vehicle;
+
+    #[test]
+    fn values_are_looked_up_by_their_variables_until_the_next_step() {
+        let mut subscriptions = Subscriptions::default();
+        subscriptions.add(&Object::known("a"), vehicle::SPEED.id);
+        let of_step = [
+            (vehicle::LANE.id, Kept::Text("road_0".to_owned())),
+            (vehicle::STOP_STATE.id, Kept::Integer(1)),
+            (vehicle::SPEED.id, Kept::Number(12.5)),
+        ];
+        subscriptions.0.get_mut("a").unwrap().values = Some(of_step.into());
+        let mut found = subscriptions.values("a").unwrap();
+        assert_eq!(found.number(vehicle::SPEED), Some(12.5));
+        assert_eq!((found.integer(vehicle::STOP_STATE), found.text(vehicle::LANE)), (Some(1), Some("road_0")));
+        assert_eq!(found.number(vehicle::ANGLE), None, "nobody has subscribed to it");
+        assert!(subscriptions.values("b").is_none());
+        subscriptions.forget_values();
+        assert!(subscriptions.values("a").is_none(), "the next step has said nothing of it");
+    }
+
+    #[test]
+    fn a_variable_is_subscribed_to_unless_more_has_to_be_said_with_it() {
+        let mut variables = Variables::default();
+        assert_eq!((variables.number(vehicle::SPEED), variables.text(vehicle::LANE)), (None, None));
+        assert_eq!(variables.leader(100.0), None);
+        assert_eq!(variables.0, [vehicle::SPEED.id, vehicle::LANE.id]);
+    }
+}

@@ -127,3 +127,23 @@ pub(super) fn tells_mass(version: &SumoVersion) -> bool {
 pub(super) fn value_text(value: f64) -> String {
     ((value * 1e4).round() / 1e4 + 0.0).to_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_shown_with_four_decimals_and_never_as_minus_nothing() {
+        let texts = [0.123_456, -1.5, 12.0, 0.0, -0.000_01, 1234.567_89].map(value_text);
+        assert_eq!(texts, ["0.1235", "-1.5", "12", "0", "0", "1234.5679"]);
+    }
+
+    #[test]
+    fn sumo_tells_the_mass_of_a_type_since_1_21() {
+        let tells = |number| tells_mass(&SumoVersion { api: 21, text: String::new(), number });
+        assert_eq!(
+            [(1, 15, 0), (1, 20, 0), (1, 21, 0), (1, 28, 0), (2, 0, 0)].map(tells),
+            [false, false, true, true, true]
+        );
+    }
+}

@@ -1,8 +1,11 @@
 //! The coupling against a small traffic world in memory: comings and goings, body-leads mode, hand-back. What SUMO itself
 //! does is tested in `tests/live`.
 
+mod bodies;
 mod fake;
+mod leads;
 mod orders;
+mod seam;
 
 use std::{collections::BTreeMap, path::Path};
 
