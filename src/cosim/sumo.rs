@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_value_is_shown_with_four_decimals_and_never_as_minus_nothing() {
-        let texts = [0.123_456, -1.5, 12.0, 0.0, -0.000_01, 1234.567_89].map(value_text);
+        let texts = [0.123_456, -1.5, 12.0, 0.0, -0.000_01, 1_234.567_89].map(value_text);
         assert_eq!(texts, ["0.1235", "-1.5", "12", "0", "0", "1234.5679"]);
     }
 

@@ -263,8 +263,7 @@ fn val_unequal_axles_against_scalar_libm() {
 #[test]
 fn law_turning_wheels_push_a_standing_body() {
     let body = named("car");
-    let mut state = State::default();
-    state.wheel_speed_radps = [0.09 / body.wheel_radius_m; 4];
+    let state = State { wheel_speed_radps: [0.09 / body.wheel_radius_m; 4], ..State::default() };
     let mut block = block_of(&body, &state);
     let spin = |state: &State| body.wheel_inertia_kgm2 * state.wheel_speed_radps.iter().sum::<f64>();
     let momentum = |state: &State| body.mass_kg * state.vx_mps + spin(state) / body.wheel_radius_m;
