@@ -259,6 +259,19 @@ fn val_unequal_axles_against_scalar_libm() {
     assert!(slip[1].abs() < slip[0].abs(), "{slip:?}");
 }
 
+/// Where the road rises to the left gravity pushes to the right, against y; the tyres have hardly begun to hold.
+#[test]
+fn law_a_banked_road_pushes_downhill() {
+    let body = named("car");
+    for bank_rad in [0.05, -0.05] {
+        let mut block = block_of(&body, &State::rolling(&body, 15.0));
+        let mut inputs = inputs(0.0, 0.0, 0.02);
+        inputs.bank_rad[0] = bank_rad;
+        let after = run(&SevenDof::new(PERIOD_S), &mut block, &inputs, PERIOD_S);
+        near(after.vy_mps, -9.81 * bank_rad.sin() * 0.02_f64.cos() * PERIOD_S, 0.15, "sideways");
+    }
+}
+
 /// A body that stands on wheels that turn takes their momentum over, however weakly they are braked.
 #[test]
 fn law_turning_wheels_push_a_standing_body() {
