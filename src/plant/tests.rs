@@ -1,3 +1,5 @@
+//! Bodies against their sources, and laws that every model of the plant keeps.
+
 use super::body::GRAVITY_MPS2;
 use super::*;
 use crate::lanes::{Flags, LANES};

@@ -86,9 +86,9 @@ pub fn read_curve(text: &str) -> Result<Vec<(f64, f64)>, TyreError> {
 /// The paper's four steps: D is the peak, C = 2 − (2/π) asin(y_s/D) with y_s the asymptotic force, B follows from the
 /// initial slope BCD, E = (Bτ_m − tan(π/2C))/(Bτ_m − atan(Bτ_m)) with τ_m the slip of the peak.
 ///
-/// `curve` holds (slip, force \[N\]) of the driving branch in any order, also several for one slip. The peak is refined by a parabola through its
-/// neighbours, the slope is a least-squares fit. A measured curve ends before its asymptote (a slip ratio at 1); y_s is
-/// the one whose tyre lies nearest to all measured points (least squares).
+/// `curve` holds (slip, force \[N\]) of the driving branch in any order, also several for one slip. The peak is refined by
+/// a parabola through its neighbours, the slope is a least-squares fit. A measured curve ends before its asymptote (a slip
+/// ratio at 1); y_s is the one whose tyre lies nearest to all measured points (least squares).
 ///
 /// # Errors
 /// [`TyreError::Curve`] if there is no interior peak, no slope, or no constants that fit.
