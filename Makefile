@@ -39,7 +39,7 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour and a half)
 	cargo test --release --locked --test matrix -- --ignored --nocapture
 
-tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in sixteen conditions (a quarter of an hour)
+tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in sixteen conditions (ten minutes)
 	cargo build --release --locked
 	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning --gains $(gains) --trials 60 \
 	  --controllers $(tuned) \
@@ -78,10 +78,10 @@ day: setup-test ## A day of simulated time with 200 vehicles on the road: memory
 fuzz: ## Changed files against everything that reads them; fuzz_cases=10000000 takes a night, fuzz_seed=2 makes other cases
 	SUMO_MFC_FUZZ_CASES=$(fuzz_cases) SUMO_MFC_FUZZ_SEED=$(fuzz_seed) cargo test --release --locked --test fuzz -- --nocapture
 
-mutants: setup-test ## Change room=stats (plant, control, traci, cosim) in every small way, list what no test notices (hours; shard=0/8: every eighth)
-	cargo mutants --gitignore false --copy-target false --sharding round-robin --shard $(shard) -o target \
+mutants: ## Change room=stats (plant, control, traci, cosim) in every small way, list what no test notices (hours; shard=0/8: every eighth)
+	.ci/with-sumo cargo mutants --sharding round-robin --shard $(shard) -o target \
 	  -f 'src/$(room)/**' -f src/$(room).rs --profile mutants --no-default-features --features sim --timeout 120 \
-	  -C=--locked -C=--lib $(foreach test,coupling plant slots group_law traci_wire traci,-C=--test=$(test))
+	  -C=--locked -C=--lib $(foreach test,coupling plant slots group_law traci_wire,-C=--test=$(test))
 
 bench: setup-test ## The benchmarks, one line per figure: whole processes, then parts, at last up to 20 000 cars (an hour and a half)
 	.ci/with-sumo cargo bench --locked --bench whole $$(command -v g++ >/dev/null && echo --features libsumo)
