@@ -25,7 +25,7 @@ pub(crate) use error::{file_error, meant};
 pub use forms::{FORMS, Form};
 #[cfg(test)]
 pub(crate) use journal::texts;
-pub(crate) use journal::{Journal, read_journal, whole_of, write_over};
+pub(crate) use journal::{Journal, read_journal, whole_lines, whole_of, write_over};
 pub(crate) use numbers::Numbers;
 pub use sink::Sink;
 pub(crate) use sorted::{Item, Sorted, Sorter};

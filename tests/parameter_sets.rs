@@ -1,5 +1,5 @@
 //! Random legal parameter sets: every key of a scenario that has a range is drawn from the whole of it, and the vehicles are
-//! driven hard. Whatever a vehicle shows stays a finite number, or the run says that it has diverged.
+//! driven hard. Every state stays a finite number, whatever is drawn; a vehicle that becomes faster than any ends as diverged.
 //!
 //! What is drawn comes from the declarations of the keys, so that a new key is drawn by itself. A set is made from its
 //! number alone.
@@ -18,9 +18,8 @@ use sumo_mfc::scenario::{Catalog, Form, Override, Request, Scenario, sections};
 /// How many sets are driven.
 const SETS: u64 = 10_000;
 
-/// More diverged vehicles than this share would be news: a car of 50 kg with 957 740 N·m, or with 10 kg m² about its vertical
-/// axis, does diverge.
-const DIVERGED_MAX: f64 = 0.02;
+/// More diverged vehicles than this share would be news: a car of 50 kg with 957 740 N·m does diverge.
+const DIVERGED_MAX: f64 = 0.01;
 
 /// How long a vehicle drives \[s\], if that does not take more substeps of its body than this.
 const DRIVE_S: f64 = 6.0;
@@ -104,12 +103,10 @@ fn overrides(random: &mut ChaCha8Rng, catalog: &Catalog) -> Vec<Override> {
 /// How a set ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Ended {
-    /// Every number was one to the end.
-    Finite,
+    /// To the end of the drive.
+    Whole,
     /// The vehicle became faster than any: the run ends its record as `diverged`.
     TooFast,
-    /// A state of its body ceased to be a number: the same.
-    NotFinite,
 }
 
 /// What a vehicle shows, by name.
@@ -155,7 +152,7 @@ fn drive(scenario: &Scenario, random: &mut ChaCha8Rng) -> Result<Ended, String> 
     let steps = (DRIVE_S.min(SUBSTEPS_MAX * substep_s) / step_s).ceil() as u32;
     let mut fleet = Fleet::new(scenario.loop_config(), vec![scenario.blocks(group)]).rated(true);
     let slot = fleet.admit(0, trip.vehicle);
-    let lane = slot.lane();
+    let (lane, mut ended) = (slot.lane(), Ended::Whole);
     for step in 0..steps {
         let begin_s = f64::from(step) * step_s;
         let wanted_mps = profile.at(fleet.block(slot).distance_m(lane), begin_s, fleet.block(slot).speed_mps(lane)).0;
@@ -190,17 +187,20 @@ fn drive(scenario: &Scenario, random: &mut ChaCha8Rng) -> Result<Ended, String> 
         fleet.close_step();
         let (block, now) = (fleet.block(slot), fleet.block(slot).snapshot(lane));
         if !block.is_sound(lane) {
-            return Ok(if now.speed_mps.is_finite() { Ended::TooFast } else { Ended::NotFinite });
+            ended = Ended::TooFast;
         }
         if let Some((name, value)) = shown(&now).into_iter().find(|(_, value)| !value.is_finite()) {
-            return Err(format!("{name} is {value} at {begin_s} s, and nobody is told"));
+            return Err(format!("{name} is {value} at {begin_s} s"));
+        }
+        if ended == Ended::TooFast {
+            return Ok(ended);
         }
     }
     let stats = fleet.release(slot);
     let rms = [stats.error_rms, stats.torque_rms, stats.jerk_rms, stats.accel_max, stats.speed_gap_rms];
     match rms.into_iter().flatten().find(|value| !value.is_finite()) {
         Some(value) => Err(format!("a statistic is {value}")),
-        None => Ok(Ended::Finite),
+        None => Ok(Ended::Whole),
     }
 }
 
@@ -265,13 +265,13 @@ fn drive_sets(count: u64) {
     assert_eq!(ends.keys().map(|(law, _)| law).collect::<std::collections::BTreeSet<_>>().len(), laws, "every law");
     let drawn_again: u64 = refused.values().sum();
     assert!(drawn_again < count, "{drawn_again} of {count} sets that the declarations allow are refused");
-    let diverged: u64 = ends.iter().filter(|((_, end), _)| *end != Ended::Finite).map(|(_, n)| n).sum();
+    let diverged: u64 = ends.iter().filter(|((_, end), _)| *end != Ended::Whole).map(|(_, n)| n).sum();
     assert!(diverged as f64 <= DIVERGED_MAX * count as f64, "{diverged} of {count} diverged");
 }
 
-/// Either every number that the vehicle shows is one in every step, or the run ends its record as diverged.
+/// Every number that the vehicle shows is one in every step, also in the step in which it has become too fast.
 #[test]
-fn law_no_legal_parameter_set_goes_on_with_a_number_that_is_none() {
+fn law_no_legal_parameter_set_makes_a_number_that_is_none() {
     drive_sets(SETS);
 }
 

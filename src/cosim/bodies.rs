@@ -10,6 +10,9 @@ use crate::random::Stream;
 use crate::registry::find;
 use crate::scenario::{Group, Parameter, Preset};
 
+/// The factor that may be 0: a vehicle without drive and brakes.
+const TORQUE_FACTOR: &str = "torque_factor";
+
 /// What is asked of SUMO about a vType.
 #[derive(Debug, Clone, Default)]
 pub struct TypeFacts {
@@ -69,7 +72,17 @@ pub fn vehicle(
         scale(&mut body, facts);
     }
     let usual_kg = body.mass_kg;
-    let keys = BodyKeys::from_values(&group.vehicle.body.values);
+    let mut given = group.vehicle.body.draw(seed, id);
+    let mut actuator = group.actuator.values.clone();
+    actuator.0.append(&mut group.actuator.draw(seed, id).0);
+    for (key, text) in facts.parameters.iter().chain(parameters) {
+        given.0.insert(key.name, parse(id, key, text)?.value(key, seed, id));
+    }
+    let mut keys = BodyKeys::from_values(&group.vehicle.body.values);
+    if given.get::<f64>(TORQUE_FACTOR).is_some() && keys.torque_factor == Some(0.0) {
+        // No factor makes anything of the 0 of its group, whose place it takes.
+        keys.torque_factor = Some(1.0);
+    }
     body.apply(&keys);
     if let Some(curve) = tyre_curve {
         body.apply_tyre_curve(curve)?;
@@ -77,12 +90,6 @@ pub fn vehicle(
     let nominal_nm_per_mps2 = body.nominal_nm_per_mps2();
     cover_type(&mut body, facts, &keys);
 
-    let mut given = group.vehicle.body.draw(seed, id);
-    let mut actuator = group.actuator.values.clone();
-    actuator.0.append(&mut group.actuator.draw(seed, id).0);
-    for (key, text) in facts.parameters.iter().chain(parameters) {
-        given.0.insert(key.name, parse(id, key, text)?.value(key, seed, id));
-    }
     replace_factors(&mut given, &group.vehicle.body.values);
     body.apply(&BodyKeys::from_values(&given));
     actuator.0.append(&mut given.0);

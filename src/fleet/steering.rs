@@ -15,6 +15,8 @@ pub const SMOOTHING_M: f64 = 3.0;
 pub const STRAIGHT_BELOW_MPS: f64 = 0.5;
 /// Share of μg that the road may ask for laterally.
 pub const LATERAL_SHARE: f64 = 0.5;
+/// No road wheel turns further \[rad\]: tyres that hardly hold across would ask for more than a quarter turn.
+pub const LOCK_RAD: f64 = 1.4;
 
 columns! {
     /// The road that each slot of a block follows.
@@ -70,7 +72,7 @@ impl Steering {
     }
 
     /// Takes the heading at the end of a step [rad, left positive] in which the slot drove `driven_m` metres at
-    /// `speed_mps`. Returns true if the curvature was limited to what the tyres hold. A slot that stands turns nowhere:
+    /// `speed_mps`. Returns true if the curvature was limited to what the tyres hold, or the wheels are at their lock. A slot that stands turns nowhere:
     /// its wheels come straight, and what SUMO's chord does meanwhile (it can turn) is no turn.
     pub fn see_heading(
         &mut self,
@@ -92,8 +94,10 @@ impl Steering {
         let from = road.from_per_m[slot];
         let filtered = from + driven_m / (SMOOTHING_M + driven_m) * (turn / driven_m - from);
         let limit = self.lateral_max_mps2[slot] / (speed_mps * speed_mps);
-        road.to_per_m[slot] = filtered.clamp(-limit, limit);
-        filtered.abs() > limit
+        let kappa = filtered.clamp(-limit, limit);
+        road.to_per_m[slot] = kappa;
+        let across = self.understeer_s2_per_m[slot] * speed_mps * speed_mps * kappa;
+        filtered.abs() > limit || (libm::atan(self.wheelbase_m[slot] * kappa) + across).abs() > LOCK_RAD
     }
 
     /// Drives a given curvature (a recorded path) instead of the one from headings.
@@ -117,8 +121,9 @@ vectorised! {
             // The step's curvature was limited at its end; the speed inside the step may be higher.
             let limit = steering.lateral_max_mps2[slot] / square.max(STRAIGHT_BELOW_MPS * STRAIGHT_BELOW_MPS);
             let kappa = curvature.min(limit).max(-limit);
-            out[slot] =
+            let angle =
                 Polynomial::atan(steering.wheelbase_m[slot] * kappa) + steering.understeer_s2_per_m[slot] * square * kappa;
+            out[slot] = angle.min(LOCK_RAD).max(-LOCK_RAD);
         }
     }
 }
@@ -128,4 +133,23 @@ fn wrap(angle_rad: f64) -> f64 {
     use std::f64::consts::{PI, TAU};
     let turned = angle_rad - TAU * (angle_rad / TAU).round();
     if turned <= -PI { turned + TAU } else { turned }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A heavy vehicle on tyres that hardly hold across asks for any angle; the plant takes those within a quarter turn.
+    #[test]
+    fn law_no_wheel_turns_beyond_its_lock() {
+        for understeer_s2_per_m in [-4.0, 4.0] {
+            let mut steering = Steering::default();
+            steering.set(0, 3.0, understeer_s2_per_m, 1.0);
+            assert!(!steering.see_heading(0, 0.0, 1.0, 10.0), "straight ahead");
+            assert!(steering.see_heading(0, 0.1, 1.0, 10.0), "at its lock, which is told");
+            let (mut angle_rad, speed_mps) = ([0.0; LANES], [10.0; LANES]);
+            steering.angles_rad(1.0, &speed_mps, &mut angle_rad);
+            assert_eq!(angle_rad[0], LOCK_RAD.copysign(understeer_s2_per_m));
+        }
+    }
 }

@@ -11,7 +11,7 @@ use super::write::Table;
 use crate::table::{Layout, Shape};
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, ErrorKind};
+use std::io::{self, BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
@@ -151,22 +151,55 @@ pub fn write_over<R: 'static>(
     }
 }
 
-/// The rows of a journal as texts; a line that the end of the program cut in two is left out.
+/// The rows of a journal as texts, one by one; a line that the end of the program cut in two is left out.
 ///
 /// # Errors
 /// [`OutputError::File`] if it cannot be read, or has other columns.
-pub fn read_journal(path: &Path, shape: &Shape) -> Result<Vec<Vec<String>>, OutputError> {
+pub fn read_journal(
+    path: &Path,
+    shape: &Shape,
+) -> Result<impl Iterator<Item = Result<Vec<String>, OutputError>> + use<>, OutputError> {
     let part = part_of(path);
-    let read = || -> io::Result<Vec<Vec<String>>> {
-        let mut bytes = std::fs::read(&part)?;
-        bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
-        let rest = bytes.strip_prefix(header(&shape.columns)?.as_slice()).ok_or_else(|| {
-            io::Error::new(ErrorKind::InvalidData, "its first line is not that of a table of this version")
-        })?;
-        let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(false).from_reader(rest);
-        reader.deserialize().map(|row| row.map_err(io::Error::other)).collect()
+    let open = || -> io::Result<_> {
+        let file = File::open(&part)?;
+        let header = header(&shape.columns)?;
+        let mut first = vec![0; header.len()];
+        match file.read_exact_at(&mut first, 0) {
+            Ok(()) if first == header => {}
+            Err(error) if error.kind() != ErrorKind::UnexpectedEof => return Err(error),
+            _ => {
+                let what = "its first line is not that of a table of this version";
+                return Err(io::Error::new(ErrorKind::InvalidData, what));
+            }
+        }
+        let begin = header.len() as u64;
+        let end = whole_lines(&file)?.max(begin);
+        (&file).seek(SeekFrom::Start(begin))?;
+        Ok(BufReader::new(file.take(end - begin)))
     };
-    read().map_err(file_error("read", &part))
+    let lines = open().map_err(file_error("read", &part))?;
+    let reader = csv::ReaderBuilder::new().has_headers(false).flexible(false).from_reader(lines);
+    let failed = move |error| file_error("read", &part)(io::Error::other(error));
+    Ok(reader.into_deserialize().map(move |row: Result<_, _>| row.map_err(&failed)))
+}
+
+/// Where the last whole line of a file ends.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn whole_lines(file: &File) -> io::Result<u64> {
+    let mut end = file.metadata()?.len();
+    let mut bytes = [0; 1 << 12];
+    while end > 0 {
+        let begin = end.saturating_sub(bytes.len() as u64);
+        let read = &mut bytes[..(end - begin) as usize];
+        file.read_exact_at(read, begin)?;
+        if let Some(place) = read.iter().rposition(|byte| *byte == b'\n') {
+            return Ok(begin + place as u64 + 1);
+        }
+        end = begin;
+    }
+    Ok(0)
 }
 
 #[cfg(test)]
@@ -194,6 +227,10 @@ mod tests {
         [point("a,\"b\"\n c", Some(0.1), true), point("d", None, false)]
     }
 
+    fn read(path: &Path) -> Result<Vec<Vec<String>>, OutputError> {
+        read_journal(path, &POINTS.shape)?.collect()
+    }
+
     #[test]
     fn rows_are_there_as_soon_as_they_are_appended() {
         let folder = tempfile::tempdir().unwrap();
@@ -203,7 +240,7 @@ mod tests {
         journal.append(&points()[1..]).unwrap();
         let mut file = std::fs::OpenOptions::new().append(true).open(part_of(&path)).unwrap();
         file.write_all(b"e,0.").unwrap();
-        let texts = read_journal(&path, &POINTS.shape).unwrap();
+        let texts = read(&path).unwrap();
         assert_eq!(texts, [["a,\"b\"\n c", "0.1", "true"], ["d", "", "false"]]);
         // Read as what the columns say.
         let (as_texts, rows) = (Layout::of_texts(&POINTS.shape), points());
@@ -224,7 +261,7 @@ mod tests {
         journal.append(&points()).unwrap();
         std::os::unix::fs::symlink("/dev/full", whole_of(&path)).unwrap();
         assert!(journal.finish(journal.texts()).is_err());
-        assert_eq!(read_journal(&path, &POINTS.shape).unwrap().len(), 2);
+        assert_eq!(read(&path).unwrap().len(), 2);
     }
 
     #[test]
@@ -239,15 +276,33 @@ mod tests {
         journal.file = whole;
         assert_eq!(journal.texts().count(), 1);
         journal.append(&points()[1..]).unwrap();
-        assert_eq!(read_journal(&path, &POINTS.shape).unwrap().len(), 2);
+        assert_eq!(read(&path).unwrap().len(), 2);
     }
 
     #[test]
     fn a_journal_of_other_columns_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
-        std::fs::write(part_of(&path), "id,speed\na,1\n").unwrap();
-        let error = read_journal(&path, &POINTS.shape).unwrap_err().to_string();
-        assert!(error.contains("points.csv.part") && error.contains("first line"), "{error}");
+        for text in ["id,speed\na,1\n", "id,something,else\na,1,2\n", "id", ""] {
+            std::fs::write(part_of(&path), text).unwrap();
+            let error = read(&path).unwrap_err().to_string();
+            assert!(error.contains("points.csv.part") && error.contains("first line"), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_torn_line_may_be_long() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let mut journal = Journal::create(&path, &POINTS).unwrap();
+        journal.append(&points()).unwrap();
+        let whole = std::fs::metadata(part_of(&path)).unwrap().len();
+        for torn in [0, 1, 4095, 4096, 4097, 100_000] {
+            let mut file = File::options().append(true).open(part_of(&path)).unwrap();
+            file.set_len(whole).unwrap();
+            file.write_all(&vec![b'x'; torn]).unwrap();
+            assert_eq!(whole_lines(&File::open(part_of(&path)).unwrap()).unwrap(), whole, "{torn}");
+            assert_eq!(read(&path).unwrap().len(), 2, "{torn}");
+        }
     }
 }

@@ -247,14 +247,15 @@ impl Drive {
 /// on grade and bank [m/s²].
 #[inline(always)]
 pub fn peaks<L: Layout>(car: &Car, drive: &Drive, acceleration: [f64; 2]) -> [f64; 4] {
+    let static_load = car.load.map(|load| load * drive.load_scale);
+    // A wheel that has lifted gives no more: neither axle nor side bears more than all the weight there is.
     let pitch = car.pitch_transfer * (acceleration[0] - drive.gravity[0]);
+    let pitch = larger(-static_load[1], smaller(static_load[0], pitch));
+    let axle_load = [static_load[0] - pitch, static_load[1] + pitch];
     L::wheels(|wheel| {
-        let axle = wheel / 2;
-        let static_load = car.load[axle] * drive.load_scale;
-        let roll = car.roll_transfer[axle] * (acceleration[1] - drive.gravity[1]);
-        let load =
-            static_load + if axle == 0 { -pitch } else { pitch } + if wheel.is_multiple_of(2) { -roll } else { roll };
-        car.friction[wheel] * larger(load, 0.0)
+        let load = axle_load[wheel / 2];
+        let roll = within(car.roll_transfer[wheel / 2] * (acceleration[1] - drive.gravity[1]), load);
+        car.friction[wheel] * if wheel.is_multiple_of(2) { load - roll } else { load + roll }
     })
 }
 
@@ -284,9 +285,16 @@ pub fn larger(a: f64, b: f64) -> f64 {
     choose(a > b, a, b)
 }
 
+/// The smaller of two numbers.
 #[inline(always)]
-fn within_one(a: f64) -> f64 {
-    choose(a.abs() > 1.0, 1.0_f64.copysign(a), a)
+fn smaller(a: f64, b: f64) -> f64 {
+    choose(a < b, a, b)
+}
+
+/// The number, or the limit (≥ 0) on its side of zero.
+#[inline(always)]
+fn within(a: f64, limit: f64) -> f64 {
+    choose(a.abs() > limit, limit.copysign(a), a)
 }
 
 /// Slip of the tyres in state `x`: of the wheels along, then of the axles across. A tyre that does not slip at all has +0.
@@ -308,7 +316,7 @@ pub fn slips<L: Layout>(car: &Car, drive: &Drive, x: &Vector) -> [Slip; 6] {
         let per_scale = both * safe;
         let slip = speed[i] * per_scale;
         Slip {
-            slip: if i < 4 { within_one(slip) } else { slip },
+            slip: if i < 4 { within(slip, 1.0) } else { slip },
             per_speed: choose(slides, both * scale, 0.0),
             limit: choose(slides, 0.0, car.tyre(i).slope_per_peak() * per_scale),
         }
@@ -361,7 +369,7 @@ pub fn tyre_forces<T: Trig>(car: &Car, drive: &Drive, peak: &[f64; 4], x: &Vecto
 #[inline(always)]
 pub fn road_forces(car: &Car, drive: &Drive, x: &Vector) -> [f64; 2] {
     let wind = x[0] + drive.headwind;
-    let rolling = car.rolling * within_one(x[0] * (1.0 / FLOOR_MPS));
+    let rolling = car.rolling * within(x[0] * (1.0 / FLOOR_MPS), 1.0);
     [car.mass * drive.gravity[0] - car.drag * wind * wind.abs() - rolling, car.mass * drive.gravity[1]]
 }
 
@@ -455,6 +463,13 @@ mod tests {
             assert!(((fl + fr + rl + rr) / (even.mass * GRAVITY_MPS2) - 1.0).abs() < 1e-12);
             // Speeding up and turning left loads the rear and the right.
             assert!(rl + rr > 2.0 * even.load[1] && fr > fl && rr > rl);
+            // However hard it is thrown about, what one wheel loses another bears, and none pulls on the road.
+            for acceleration in [[500.0, 0.0], [-500.0, 1.0], [0.0, 500.0], [300.0, -400.0], [-1e30, 1e30]] {
+                let loads = peaks::<FourWheels>(&even, &drive, acceleration);
+                let all: f64 = loads.iter().sum();
+                assert!((all / (even.mass * GRAVITY_MPS2) - 1.0).abs() < 1e-12, "{acceleration:?}: {loads:?}");
+                assert!(loads.iter().all(|load| *load >= 0.0), "{acceleration:?}: {loads:?}");
+            }
         }
     }
 }

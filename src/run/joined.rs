@@ -38,7 +38,7 @@ pub struct Joined {
 }
 
 /// A key that is ordered by id, then by the order of coming.
-fn by_id(id: &str, nth: u64) -> Vec<u8> {
+pub(super) fn by_id(id: &str, nth: u64) -> Vec<u8> {
     [id.as_bytes(), &[0], &nth.to_be_bytes()].concat()
 }
 
@@ -47,7 +47,7 @@ fn id_of(key: &[u8]) -> &[u8] {
 }
 
 /// A key that is ordered by departure, then by id.
-fn by_departure(depart_s: f64, by_id: &[u8]) -> Vec<u8> {
+pub(super) fn by_departure(depart_s: f64, by_id: &[u8]) -> Vec<u8> {
     let bits = depart_s.to_bits();
     // Ordered as `f64::total_cmp` does.
     let ordered = if bits >> 63 == 1 { !bits } else { bits | 1 << 63 };
@@ -106,24 +106,35 @@ impl Trip {
     }
 }
 
-/// Both rows as bytes: the texts, each with its length.
-fn packed(rows: &Texts) -> Vec<u8> {
+/// Texts as bytes, each with its length.
+pub(super) fn packed<'t>(texts: impl IntoIterator<Item = &'t String>) -> Vec<u8> {
     let mut bytes = Vec::new();
-    for text in rows.iter().flatten() {
+    for text in texts {
         bytes.extend((text.len() as u32).to_le_bytes());
         bytes.extend(text.bytes());
     }
     bytes
 }
 
-fn unpacked(mut bytes: &[u8]) -> Texts {
-    let mut text = || {
-        let (length, rest) = bytes.split_at(4);
-        let (text, rest) = rest.split_at(u32::from_le_bytes(length.try_into().expect("four bytes")) as usize);
+/// The texts of [`packed`].
+pub(super) fn unpacked(mut bytes: &[u8]) -> Vec<String> {
+    let mut texts = Vec::new();
+    while let Some((length, rest)) = bytes.split_first_chunk() {
+        let (text, rest) = rest.split_at(u32::from_le_bytes(*length) as usize);
         bytes = rest;
-        String::from_utf8_lossy(text).into_owned()
-    };
-    [&VEHICLES.shape, &QUALITY.shape].map(|shape| shape.columns.iter().map(|_| text()).collect())
+        texts.push(String::from_utf8_lossy(text).into_owned());
+    }
+    texts
+}
+
+fn pack_rows(rows: &Texts) -> Vec<u8> {
+    packed(rows.iter().flatten())
+}
+
+fn unpack_rows(bytes: &[u8]) -> Texts {
+    let mut vehicle = unpacked(bytes);
+    let quality = vehicle.split_off(VEHICLES.shape.columns.len());
+    [vehicle, quality]
 }
 
 /// Where the columns stand that a trip has a say in.
@@ -188,7 +199,7 @@ fn sorted_rows(noted: &Noted, scenario: &Scenario, end_s: f64, folder: &Path) ->
     let (mut rows, mut nth) = (Sorter::new(folder), 0);
     noted.each(scenario, end_s, |texts| {
         nth += 1;
-        rows.push(by_id(&texts[0][0], nth), packed(&texts)).map_err(file_error("write a file in", folder))
+        rows.push(by_id(&texts[0][0], nth), pack_rows(&texts)).map_err(file_error("write a file in", folder))
     })?;
     Ok(rows.sorted())
 }
@@ -214,7 +225,7 @@ impl Joined {
         let (mut rows, mut trips) = (Ahead::of(rows.iter())?, Ahead::of(trips.trips.iter())?);
         let (mut arrived, mut loss_s) = (0_u64, -0.0);
         while let Some(id) = least(rows.id(), trips.id()) {
-            let row = rows.take_if(&id)?.map(|(key, bytes)| (key, unpacked(&bytes)));
+            let row = rows.take_if(&id)?.map(|(key, bytes)| (key, unpack_rows(&bytes)));
             let mut trip = trips.take_if(&id)?.map(|(_, bytes)| Trip::from_bytes(&bytes));
             // Of a vehicle whose body led, SUMO has the time loss against the speed factor that it was given meanwhile.
             let own_s = row.as_ref().and_then(|(_, [vehicle, _])| vehicle[places.timeloss].parse::<f64>().ok());
@@ -227,7 +238,7 @@ impl Joined {
             }
             if let Some((key, mut texts)) = row {
                 let depart_s = places.complete(&mut texts, trip.as_ref(), end_s);
-                joined.push(by_departure(depart_s, &key), packed(&texts))?;
+                joined.push(by_departure(depart_s, &key), pack_rows(&texts))?;
             }
         }
         let mean_s = (arrived > 0).then(|| loss_s / arrived as f64);
@@ -237,7 +248,7 @@ impl Joined {
     /// The rows in the order of the files: by departure, then id.
     pub fn rows(&self) -> impl Iterator<Item = Result<Texts, OutputError>> {
         let read = |item: io::Result<Item>| {
-            item.map(|(_, bytes)| unpacked(&bytes)).map_err(file_error("read a file in", &self.folder))
+            item.map(|(_, bytes)| unpack_rows(&bytes)).map_err(file_error("read a file in", &self.folder))
         };
         self.rows.iter().map(read)
     }
@@ -290,8 +301,8 @@ mod tests {
         let quality = vec!["".to_owned(); QUALITY.shape.columns.len()];
         for (nth, row) in rows.iter().enumerate() {
             let texts = [texts(&VEHICLES, row), quality.clone()];
-            assert_eq!(unpacked(&packed(&texts)), texts);
-            by_ids.push(by_id(&row.id, nth as u64), packed(&texts)).unwrap();
+            assert_eq!(unpack_rows(&pack_rows(&texts)), texts);
+            by_ids.push(by_id(&row.id, nth as u64), pack_rows(&texts)).unwrap();
         }
         for (nth, (id, trip)) in trips.iter().enumerate() {
             assert_eq!(Trip::from_bytes(&trip.bytes()), *trip);

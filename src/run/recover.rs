@@ -1,18 +1,16 @@
 //! The result of a run that was killed, or could not write its tables: what is left in `.part` becomes tables.
 
 use super::error::RunError;
+use super::joined::{by_departure, by_id, packed, unpacked};
 use super::manifest::{Manifest, Status};
 use super::result_dir::{MANIFEST, ResultDir, SUMMARY};
 use super::rows::{QUALITY, VEHICLES};
-use crate::output::{file_error, part_of, read_journal, whole_of, write_over};
+use crate::output::{Item, Sorter, file_error, part_of, read_journal, whole_lines, whole_of, write_over};
 use crate::table::{Layout, Shape};
 use std::fs::OpenOptions;
-use std::io::{Read, Seek, SeekFrom};
+use std::io;
 use std::path::Path;
 use toml_edit::DocumentMut;
-
-/// Bytes in which the last line of a trace ends.
-const LAST_LINE: u64 = 1 << 16;
 
 /// What became of a result.
 #[derive(Debug)]
@@ -74,31 +72,35 @@ pub fn recover(path: &Path) -> Result<Recovered, RunError> {
     Ok(Recovered { tables, lost })
 }
 
-/// Makes the table of a journal, in the order of every such table. Returns the number of its rows.
+/// Makes the table of a journal, in the order of every such table; memory does not grow with it. Returns the number of its
+/// rows.
 fn table(path: &Path, shape: &Shape) -> Result<usize, RunError> {
     let layout = Layout::of_texts(shape);
-    let mut rows = read_journal(path, shape)?;
     let place = |name: &str| layout.place(name).expect("tables of vehicles have this column");
     let (depart, id) = (place("depart"), place("id"));
-    rows.sort_by(|a, b| {
-        let time = |row: &Vec<String>| layout.cell(row, depart).number().unwrap_or(f64::INFINITY);
-        time(a).total_cmp(&time(b)).then_with(|| a[id].cmp(&b[id]))
-    });
-    let count = rows.len();
-    write_over(path, &layout, rows.into_iter().map(Ok))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let (mut rows, mut count) = (Sorter::new(folder), 0);
+    for row in read_journal(path, shape)? {
+        let row = row?;
+        let depart_s = layout.cell(&row, depart).number().unwrap_or(f64::INFINITY);
+        let key = by_departure(depart_s, &by_id(&row[id], count));
+        rows.push(key, packed(&row)).map_err(file_error("write a file in", folder))?;
+        count += 1;
+    }
+    let rows = rows.sorted();
+    let texts = |item: io::Result<Item>| {
+        let (_, bytes) = item.map_err(file_error("read a file in", folder))?;
+        Ok(unpacked(&bytes))
+    };
+    write_over(path, &layout, rows.iter().map(texts))?;
     let _ = std::fs::remove_file(whole_of(path));
-    Ok(count)
+    Ok(count as usize)
 }
 
 /// Cuts a file behind its last line break.
-fn cut_torn_line(path: &Path) -> std::io::Result<()> {
-    let mut file = OpenOptions::new().read(true).write(true).open(path)?;
-    let begin = file.metadata()?.len().saturating_sub(LAST_LINE);
-    file.seek(SeekFrom::Start(begin))?;
-    let mut end = Vec::new();
-    file.read_to_end(&mut end)?;
-    let whole = end.iter().rposition(|byte| *byte == b'\n').map_or(0, |place| place as u64 + 1);
-    file.set_len(begin + whole)
+fn cut_torn_line(path: &Path) -> io::Result<()> {
+    let file = OpenOptions::new().read(true).write(true).open(path)?;
+    file.set_len(whole_lines(&file)?)
 }
 
 #[cfg(test)]

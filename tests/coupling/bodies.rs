@@ -95,6 +95,24 @@ fn the_parameters_of_the_demand_reach_the_body() {
     assert!((heavy.mass_kg / plain.mass_kg - 1.5).abs() < 1e-12 && heavy.friction == [0.7; 4], "{heavy:?}");
 }
 
+/// Also where its group has left it no drive and no brakes.
+#[test]
+fn regress_a_vehicles_own_torque_factor_takes_the_place_of_its_groups() {
+    let strong = |group: &str| {
+        let own = Car { parameters: vec![("mfc.torque_factor", "1.5")], ..Car::new("own", 0, 0) };
+        let mut world = world(Fake::new([own, Car::new("plain", 1, 0)]), &["vehicle.preset=car", group]);
+        step(&mut world, 1);
+        ["own", "plain"].map(|id| {
+            let (ego, block) = world.driving().find(|(ego, _)| **ego.id() == *id).unwrap();
+            let body = block.plant().body(ego.slot.lane());
+            [body.drive_torque_max_nm, body.brake_torque_max_nm]
+        })
+    };
+    let [own, half] = strong("vehicle.torque_factor=0.5");
+    assert_eq!(strong("vehicle.torque_factor=0"), [own, [0.0; 2]]);
+    assert!(own.iter().zip(half).all(|(own, half)| (own / half - 3.0).abs() < 1e-12), "{own:?} {half:?}");
+}
+
 fn friction(world: &World<Fake>) -> f64 {
     let (ego, block) = world.driving().next().unwrap();
     block.plant().body(ego.slot.lane()).friction[0]
