@@ -19,6 +19,7 @@ use std::time::{Duration, Instant};
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use rustix::time::{ClockId, clock_gettime};
 use seeds::Seeds;
 use sha2::{Digest, Sha256};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -30,8 +31,10 @@ static COUNTING: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 /// Cases of all targets together, if nothing else is said.
 const CASES: u64 = 100_000;
 
-/// A case that takes longer is a find, one that takes as long as the second ends the process.
+/// A case that takes more processor time is a find, and one that waits for something longer than the second, on however busy
+/// a machine; one that takes as long as the third ends the process.
 const SLOW: Duration = Duration::from_secs(1);
+const WAITS: Duration = Duration::from_secs(20);
 const HANGS: Duration = Duration::from_secs(300);
 
 /// How often a long run says how far it has come.
@@ -74,16 +77,23 @@ fn case(target: &Target, seeds: &Seeds, seed: u64, number: u64) -> Vec<u8> {
     mutate::mutated(&mut ChaCha8Rng::from_seed(key.into()), &seeds.files, &seeds.words)
 }
 
+/// Processor time of this thread.
+fn processor_time() -> Duration {
+    let now = clock_gettime(ClockId::ThreadCPUTime);
+    Duration::new(now.tv_sec as u64, now.tv_nsec as u32)
+}
+
 /// Whether the bytes were taken, or what was wrong.
 fn judge(target: &Target, room: &Room, bytes: &[u8]) -> Result<bool, String> {
-    let (region, begun) = (Region::new(COUNTING), Instant::now());
+    let (region, begun, worked) = (Region::new(COUNTING), Instant::now(), processor_time());
     PANIC.set(Some(String::new()));
     let judged = catch_unwind(AssertUnwindSafe(|| (target.read)(room, bytes)));
     let said = PANIC.take();
-    let (took, allocated) = (begun.elapsed(), region.change().bytes_allocated);
+    let (took, worked, allocated) = (begun.elapsed(), processor_time() - worked, region.change().bytes_allocated);
     let judged = judged.unwrap_or_else(|_| Err(format!("panic: {}", said.unwrap_or_default())))?;
     match () {
-        () if took > SLOW => Err(format!("it takes more than {SLOW:?}")),
+        () if worked > SLOW => Err(format!("it takes more than {SLOW:?}")),
+        () if took > WAITS => Err(format!("it waits for more than {WAITS:?}")),
         () if allocated > ALLOCATED_MAX => Err(format!("it allocates more than {ALLOCATED_MAX} bytes")),
         () => Ok(judged),
     }
