@@ -195,18 +195,6 @@ fuzzed! {
     recording tyre_curve parameter
 }
 
-/// What was slow once: a long key was compared letter by letter with all keys, and a Python was started for every
-/// `${SUMO_HOME}` in a configuration.
-#[test]
-fn regress_slow_cases_are_as_fast_as_others() {
-    let long_key = format!("{}=1", "sumo.step_length_z".repeat(60_000 / 18));
-    let homes = r#"<additional-files value="${SUMO_HOME}/a.add.xml"/>"#.repeat(2000);
-    for (name, bytes) in [("set", long_key), ("configuration", format!("<c>{homes}</c>"))] {
-        let judged = judge(target(name), &Room::new(), bytes.as_bytes());
-        assert_eq!(judged.map(drop), Ok(()), "{name}");
-    }
-}
-
 /// The seeds are what they seem: most of them are taken as they are.
 #[test]
 fn seeds_are_taken() {
