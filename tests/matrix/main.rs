@@ -212,7 +212,11 @@ fn the_whole_matrix() {
     let mut cases = cases(&scenarios, CONDITIONS);
     if let Ok(laws) = std::env::var("SUMO_MFC_MATRIX_LAWS") {
         let laws: Vec<&str> = laws.split(',').collect();
-        assert!(laws.iter().all(|law| controllers().contains(law)), "found {laws:?}, wanted some of {:?}", controllers());
+        assert!(
+            laws.iter().all(|law| controllers().contains(law)),
+            "found {laws:?}, wanted some of {:?}",
+            controllers()
+        );
         cases.retain(|case| laws.contains(&case.controller));
     }
     println!(
