@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use sumo_mfc::map;
+use sumo_mfc::paper::Demand;
 use sumo_mfc::paper::library::Library;
 use sumo_mfc::paper::results::Results;
 use sumo_mfc::paper::row::Row;
@@ -328,6 +329,18 @@ fn val_the_shipped_lap_is_what_the_command_records() {
     assert!(record("1") != record("2"));
     let demands = paper::demand::all();
     assert!((0.5..=0.7).contains(&demands[0].accel_rms), "brisk: {:?}", demands[0]);
+    // It asks for what a lap that somebody drove by hand on a handling course asks for.
+    let of = |of: fn(&Demand) -> f64, name: &str| of(demands.iter().find(|d| d.recording.contains(name)).unwrap());
+    let alike: [(&str, fn(&Demand) -> f64); 4] = [
+        ("mean speed", |d| d.speed_mean),
+        ("acceleration", |d| d.accel_rms),
+        ("jerk", |d| d.jerk_rms),
+        ("braking", |d| d.braking),
+    ];
+    for (what, value) in alike {
+        let ratio = of(value, "our lap") / of(value, "handling course");
+        assert!((0.85..1.15).contains(&ratio), "{what}: {ratio}");
+    }
 }
 
 #[test]
