@@ -36,8 +36,8 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 	cargo build --release --locked
 	tests/bytes.sh target/release/sumo-mfc target/bytes --check
 
-matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour and a half)
-	cargo test --release --locked --test matrix -- --ignored --nocapture
+matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour and a half); laws=classic,mpc for some
+	$(if $(laws),SUMO_MFC_MATRIX_LAWS=$(laws)) cargo test --release --locked --test matrix -- --ignored --nocapture
 
 tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in sixteen conditions (ten minutes)
 	cargo build --release --locked

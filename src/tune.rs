@@ -17,13 +17,14 @@ use crate::scenario::Catalog;
 pub use condition::{Condition, Slope};
 use drives::{Drives, Trial};
 pub use error::TuneError;
+pub use gains::Gain;
 use gains::gains;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 pub use request::Request;
 use row::{Tested, row};
 pub use row::{TunedRow, layout};
-use search::search;
+pub use search::{Found, search};
 use tuned::Tuned;
 
 /// Tunes every law in every condition, and judges it there.

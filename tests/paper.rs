@@ -6,10 +6,11 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use sumo_mfc::map;
+use sumo_mfc::paper::Demand;
 use sumo_mfc::paper::library::Library;
 use sumo_mfc::paper::results::Results;
 use sumo_mfc::paper::row::Row;
-use sumo_mfc::paper::{self, Lab, PaperError, Request, Verdict, law};
+use sumo_mfc::paper::{self, Lab, PaperError, Request, Verdict, every_law, law};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -328,6 +329,18 @@ fn val_the_shipped_lap_is_what_the_command_records() {
     assert!(record("1") != record("2"));
     let demands = paper::demand::all();
     assert!((0.5..=0.7).contains(&demands[0].accel_rms), "brisk: {:?}", demands[0]);
+    // It asks for what a lap that somebody drove by hand on a handling course asks for.
+    let of = |of: fn(&Demand) -> f64, name: &str| of(demands.iter().find(|d| d.recording.contains(name)).unwrap());
+    let alike: [(&str, fn(&Demand) -> f64); 4] = [
+        ("mean speed", |d| d.speed_mean),
+        ("acceleration", |d| d.accel_rms),
+        ("jerk", |d| d.jerk_rms),
+        ("braking", |d| d.braking),
+    ];
+    for (what, value) in alike {
+        let ratio = of(value, "our lap") / of(value, "handling course");
+        assert!((0.85..1.15).contains(&ratio), "{what}: {ratio}");
+    }
 }
 
 #[test]
@@ -541,6 +554,23 @@ fn law_a_map_that_was_broken_off_goes_on_to_the_same_bytes() {
     assert_eq!(make(broken.path()), whole);
 }
 
+/// Laws with a model are told the delay of their own case.
+#[test]
+fn law_a_case_of_the_map_does_not_depend_on_the_other_delays() {
+    let cells = |delays_s: &[f64]| -> BTreeSet<String> {
+        let dir = folder();
+        let lab = lab(dir.path());
+        let preset = lab.library.find("default").unwrap().clone();
+        let grid = map::Grid { periods_s: vec![0.02], delays_s: delays_s.to_vec(), ..map::Grid::coarse() };
+        map::run(&lab, &preset, dir.path(), &grid, false).unwrap();
+        let text = fs::read_to_string(dir.path().join("map.csv")).unwrap();
+        text.lines().skip(2).map(str::to_owned).collect()
+    };
+    let [prompt, late, both] = [cells(&[0.0]), cells(&[0.25]), cells(&[0.0, 0.25])];
+    assert!(!prompt.is_empty() && prompt.is_disjoint(&late));
+    assert_eq!(&prompt | &late, both);
+}
+
 #[test]
 fn the_map_is_drawn_for_every_delay() {
     let dir = folder();
@@ -557,7 +587,7 @@ fn the_map_is_drawn_for_every_delay() {
         let mut rows = results.rows.iter().filter(|r| r.test.starts_with("map_tuned") && r.controller == controller);
         rows.any(|r| r.quantity == "error_rms" && r.value.is_some_and(|v| v > 0.0))
     };
-    assert!(["classic", "adaptive", "calibrating", "pid"].iter().all(|c| tuned(c)));
+    assert!(every_law().all(tuned));
     let lab = lab(dir.path());
     let is_there = |preset: &str, grid: &map::Grid| {
         map::is_there(&lab, lab.library.find(preset).unwrap(), dir.path(), grid).unwrap()
@@ -588,7 +618,7 @@ fn law_the_maps_summary_is_what_its_cells_say() {
         here.iter().find(|c| c[1] == best[1] && c[2] == best[2] && c[3] == factor).map(|c| c[6])
     };
     // Both gains of every law, and the scale that it does not know, act.
-    for law in ["classic", "adaptive", "calibrating", "pid"] {
+    for law in every_law() {
         for gain in [1, 2, 3] {
             let others = |c: &[f64]| -> Vec<f64> { (0..6).filter(|k| *k != gain).map(|k| c[k]).collect() };
             let of_law = || cells.iter().filter(|(l, c)| *l == law && c[6].is_finite()).map(|(_, c)| c);
@@ -617,7 +647,8 @@ fn law_the_maps_summary_is_what_its_cells_say() {
         assert!((number(11) / number(12) / largest - 1.0).abs() < 1e-12, "{line}");
         compared += ratios.len();
     }
-    assert_eq!(summary.lines().count(), 1 + 4 * 3 * 2, "each law over each other one, by factor");
+    let laws = every_law().count();
+    assert_eq!(summary.lines().count(), 1 + laws * (laws - 1) * 2, "each law over each other one, by factor");
     assert!(compared > 50, "{compared}");
 
     // The page and the command tell the same; the map is there, so that nothing is computed again.

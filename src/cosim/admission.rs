@@ -243,11 +243,8 @@ impl Admission {
             let mass_kg = setup.body.mass_kg;
             counters.odd_masses.add(|| format!("\"{id}\": {mass_kg:.0} kg instead of {usual_kg:.0} kg"));
         }
-        let margin_s = self
-            .rules
-            .headway
-            .filter(|_| has_body)
-            .map(|margin| margin.of(&setup, groups[group].controller.values.get("k_p")));
+        let margin_s =
+            self.rules.headway.filter(|_| has_body).map(|margin| margin.of(&setup, &groups[group].controller.values));
         let headway_s = departed.headway_s.zip(margin_s).map(|(headway_s, margin_s)| headway_s + margin_s);
         Ok(Some(Newcomer { departed, group, action_step_s: facts.action_step_s, headway_s, setup }))
     }

@@ -1,6 +1,6 @@
 //! One case of the map, and its line in `map.csv`.
 
-use super::grid::LAWS;
+use crate::paper::every_law;
 use std::fmt::Write;
 
 /// One controller with its gains.
@@ -8,8 +8,8 @@ use std::fmt::Write;
 pub struct Job {
     pub controller: &'static str,
     pub period_s: f64,
+    /// The law's two gains, as `two_gains` has them.
     pub gain_1: f64,
-    /// The second gain, T or k_i.
     pub gain_2: f64,
 }
 
@@ -20,9 +20,9 @@ pub struct Cell {
     pub controller: &'static str,
     /// Δt \[s\].
     pub period_s: f64,
-    /// K_P or k_p.
+    /// The first gain.
     pub gain_1: f64,
-    /// The second gain, T or k_i.
+    /// The second gain.
     pub gain_2: f64,
     /// b, which is also the factor by which the torque scale is wrong.
     pub scale: f64,
@@ -63,7 +63,7 @@ impl Cell {
     pub fn read(line: &str) -> Option<Self> {
         let fields: Vec<&str> = line.split(',').collect();
         let [name, numbers @ .., rms, overshoot] = fields.as_slice() else { return None };
-        let controller = LAWS.into_iter().find(|law| law == name)?;
+        let controller = every_law().find(|law| law == name)?;
         let numbers: Vec<f64> = numbers.iter().map(|n| n.parse().ok()).collect::<Option<_>>()?;
         let [period_s, gain_1, gain_2, scale, limit_mps2, delay_s] = numbers.try_into().ok()?;
         let optional = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };

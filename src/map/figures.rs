@@ -1,11 +1,12 @@
 //! What the map says: heat maps of ratios, the best gains of each law, and what they are worth with a wrong torque scale.
 
 use super::cell::Cell;
-use super::grid::SHOWN_OVER_SCALE;
+use super::grid::{SHOWN_OVER_SCALE, two_gains};
 use super::heat::{Heat, Panel, heat_map};
 use super::summary::Summary;
 use super::tuned::{Map, Tuned};
 use crate::figure::Figure;
+use crate::keys::{Key, Kind};
 use crate::paper::Finding;
 use crate::paper::row::{Row, Rows};
 
@@ -19,13 +20,16 @@ const VALUES: [Value; 2] = [
 ];
 
 /// Laws that are compared at their best gains.
-const PAIRS: [(&str, &str); 6] = [
+const PAIRS: [(&str, &str); 9] = [
     ("adaptive", "classic"),
     ("adaptive", "pid"),
     ("classic", "pid"),
     ("calibrating", "classic"),
     ("calibrating", "adaptive"),
     ("calibrating", "pid"),
+    ("calibrating", "smith_pi"),
+    ("calibrating", "lqi"),
+    ("calibrating", "mpc"),
 ];
 
 /// Everything that is shown of it. `mark` is the paper's point: Δt, K_P and b of a preset.
@@ -55,21 +59,23 @@ pub fn finding(map: &Map, preset: &str, mark: [f64; 3]) -> Finding {
         for law in laws {
             let test = format!("map_tuned_{}", condition.replace(", ", "_").replace(' ', ""));
             let rows = Rows { test: &test, preset, controller: law.law };
-            let values = [
-                ("gain_1", "1/s", Some(law.best.gain_1)),
-                ("gain_2", "1", Some(law.best.gain_2)),
-                ("error_rms", "m/s", law.best.error_rms),
-            ];
-            finding.rows.extend(values.map(|(quantity, unit, value)| noisy(&rows, quantity, unit, value)));
+            let gains = two_gains(law.law).into_iter().flatten().zip([law.best.gain_1, law.best.gain_2]);
+            finding.rows.extend(gains.map(|(gain, value)| noisy(&rows, gain.name, unit(gain), Some(value))));
+            finding.rows.push(noisy(&rows, "error_rms", "m/s", law.best.error_rms));
         }
     }
     finding
 }
 
+/// The unit of a gain.
+fn unit(gain: &Key) -> &'static str {
+    if let Kind::Number { unit, .. } = gain.kind { unit } else { "" }
+}
+
 /// Adaptive over classic with the same K_P, b and T, one panel per control period.
 fn plane(map: &Map, title: &str, of: fn(&Cell) -> Option<f64>, condition: (f64, f64), mark: [f64; 3]) -> Heat<'static> {
     let (delay_s, limit_mps2) = condition;
-    let grid = &map.grid;
+    let (grid, gains) = (&map.grid, map.grid.axis("k_p"));
     let names = |axis: &[f64]| axis.iter().map(|x| format!("{x}")).collect::<Vec<_>>();
     let panels = grid.periods_s.iter().map(|&period_s| {
         let ratio = |gain: f64, scale: f64| {
@@ -80,13 +86,9 @@ fn plane(map: &Map, title: &str, of: fn(&Cell) -> Option<f64>, condition: (f64, 
         Panel {
             title: format!("dt {} ms", 1000.0 * period_s),
             columns: names(&grid.scales),
-            rows: names(&grid.gains),
-            ratios: grid
-                .gains
-                .iter()
-                .map(|gain| grid.scales.iter().map(|scale| ratio(*gain, *scale)).collect())
-                .collect(),
-            mark: if here { on(&grid.scales, mark[2]).zip(on(&grid.gains, mark[1])) } else { None },
+            rows: names(gains),
+            ratios: gains.iter().map(|gain| grid.scales.iter().map(|scale| ratio(*gain, *scale)).collect()).collect(),
+            mark: if here { on(&grid.scales, mark[2]).zip(on(gains, mark[1])) } else { None },
         }
     });
     Heat {

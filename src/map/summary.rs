@@ -2,7 +2,6 @@
 //! where each is worst.
 
 use super::cell::Cell;
-use super::grid::LAWS;
 use super::tuned::{Map, Tuned};
 use crate::page::{Cell as Field, Head, TableView};
 use std::fmt::Write;
@@ -102,6 +101,8 @@ impl Comparison {
 /// All comparisons.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
+    laws: Vec<&'static str>,
+    factors: Vec<f64>,
     /// Law by law, and for each law factor by factor.
     pub comparisons: Vec<Comparison>,
 }
@@ -110,14 +111,15 @@ impl Summary {
     /// The summary of a map.
     pub fn of(map: &Map) -> Self {
         let tuned = map.tuned();
+        let (laws, factors) = (map.grid.laws(), map.grid.factors.clone());
         let mut comparisons = Vec::new();
-        for law in LAWS {
-            for (row, factor) in map.grid.factors.iter().copied().enumerate() {
-                let others = LAWS.into_iter().filter(|over| *over != law);
-                comparisons.extend(others.map(|over| Comparison::new(&tuned, [law, over], (row, factor))));
+        for &law in &laws {
+            for row in factors.iter().copied().enumerate() {
+                let others = laws.iter().filter(|over| **over != law);
+                comparisons.extend(others.map(|over| Comparison::new(&tuned, [law, over], row)));
             }
         }
-        Self { comparisons }
+        Self { laws, factors, comparisons }
     }
 
     /// As `map_summary.csv`.
@@ -127,19 +129,10 @@ impl Summary {
         header.to_owned() + &self.comparisons.iter().map(Comparison::csv).collect::<String>()
     }
 
-    /// A line for each law and factor: the law, the factor, a cell for each law of [`LAWS`].
-    fn lines(&self) -> Vec<(&'static str, f64, [String; LAWS.len()])> {
-        let mut lines: Vec<(&'static str, f64, [String; LAWS.len()])> = Vec::new();
-        for c in &self.comparisons {
-            if lines.last().is_none_or(|(law, factor, _)| (*law, *factor) != (c.law, c.factor)) {
-                lines.push((c.law, c.factor, Default::default()));
-            }
-            let column = LAWS.iter().position(|law| *law == c.over);
-            if let (Some((.., cells)), Some(column)) = (lines.last_mut(), column) {
-                cells[column] = c.cell();
-            }
-        }
-        lines
+    /// What is shown of a law over another one; nothing of a law over itself.
+    fn cell(&self, law: &str, over: &str, factor: f64) -> String {
+        let found = self.comparisons.iter().find(|c| (c.law, c.over, c.factor) == (law, over, factor));
+        found.map(Comparison::cell).unwrap_or_default()
     }
 
     /// For each law, where its error is the largest multiple of another law's.
@@ -158,18 +151,19 @@ impl Summary {
                 1000.0 * period_s,
             ))
         };
-        LAWS.iter().filter_map(of).collect()
+        self.laws.iter().filter_map(of).collect()
     }
 
     /// As tables of the page.
     pub fn tables(&self) -> [TableView; 2] {
-        let over = LAWS.iter().map(|law| Head::number(format!("over {law}"), "RMS error over that of this law"));
+        let over = self.laws.iter().map(|law| Head::number(format!("over {law}"), "RMS error over that of this law"));
         let heads =
             [Head::text("law", ""), Head::number("scale wrong by", "factor on the torque scale, unknown to the law")];
-        let row = |(law, factor, cells): (&str, f64, [String; LAWS.len()])| {
-            let first = [Field::text(law), Field::number(factor.to_string())];
-            first.into_iter().chain(cells.into_iter().map(Field::number)).collect()
+        let row = |law: &str, factor: f64| {
+            let cells = self.laws.iter().map(|over| Field::number(self.cell(law, over, factor)));
+            [Field::text(law), Field::number(factor.to_string())].into_iter().chain(cells).collect()
         };
+        let rows = self.laws.iter().flat_map(|law| self.factors.iter().map(|factor| row(law, *factor)));
         let compared = TableView {
             id: "map-laws".into(),
             caption: "Each law against each other one, at equal tuning: RMS error over that of the law in the column's head, each with the gains \
@@ -177,7 +171,7 @@ impl Summary {
                       control period, a torque limit and a delay; it counts where both came to the end."
                 .into(),
             head: heads.into_iter().chain(over).collect(),
-            rows: self.lines().into_iter().map(row).collect(),
+            rows: rows.collect(),
             ..TableView::default()
         };
         let worst = TableView {
@@ -195,13 +189,12 @@ impl Summary {
             "RMS error over that of another law, each with its best gains: median (least … largest), conditions\n",
         );
         for law in PRINTED {
-            let others = || LAWS.iter().enumerate().filter(|(_, over)| **over != law);
-            let _ = write!(text, "{law:<12}{:<15}", "scale wrong by");
-            others().for_each(|(_, over)| text += &format!("  {:<23}", format!("over {over}")));
+            let _ = write!(text, "{law:<12}{:<17}", "scale wrong by");
+            self.factors.iter().for_each(|factor| text += &format!("  {:<23}", format!("x {factor}")));
             text += "\n";
-            for (_, factor, cells) in self.lines().into_iter().filter(|line| line.0 == law) {
-                let _ = write!(text, "{:<12}x {factor:<13}", "");
-                others().for_each(|(column, _)| text += &format!("  {:<23}", cells[column]));
+            for over in self.laws.iter().filter(|over| **over != law) {
+                let _ = write!(text, "{:<12}over {over:<12}", "");
+                self.factors.iter().for_each(|factor| text += &format!("  {:<23}", self.cell(law, over, *factor)));
                 text += "\n";
             }
         }

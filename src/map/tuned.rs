@@ -1,7 +1,7 @@
 //! The finished map, and the best gains of each law on it.
 
 use super::cell::Cell;
-use super::grid::{Grid, LAWS};
+use super::grid::Grid;
 
 /// The finished map.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +38,8 @@ impl Map {
             for &limit_mps2 in &self.grid.limits_mps2 {
                 for &delay_s in &self.grid.delays_s {
                     let name = format!("dt {} ms, limit {limit_mps2}, delay {delay_s}", 1000.0 * period_s);
-                    let laws = LAWS.iter().filter_map(|law| self.tune(law, period_s, limit_mps2, delay_s));
+                    let laws =
+                        self.grid.laws().into_iter().filter_map(|law| self.tune(law, period_s, limit_mps2, delay_s));
                     all.push((name, laws.collect()));
                 }
             }

@@ -35,24 +35,41 @@ pub fn layout() -> Layout<Demand> {
     Layout::of_record(["demands", "demand"], "One row per recording")
 }
 
-/// A racing driver in a 1965 Ferrari 250 LM on Palm Beach International Raceway, from the published recording of 22 February 2014 (Kegelman,
-/// Harbott and Gerdes 2017, Vehicle System Dynamics 55, 191-207), by the same formulas.
-fn racing_driver() -> Demand {
-    Demand {
-        recording: "a racing driver (Kegelman et al. 2017)".into(),
-        duration: 550.0,
-        speed_min: 16.5,
-        speed_mean: 31.7,
-        speed_max: 60.8,
-        accel_rms: 3.05,
-        decel_max: 8.2,
-        accel_max: 4.3,
-        jerk_rms: 2.19,
-        braking: 0.40,
-    }
+/// Recordings of people that others published, by the same formulas; they are not shipped.
+fn published() -> [Demand; 2] {
+    [
+        // A Jaguar I-Pace on the handling course of the ZalaZONE proving ground, driven by hand among ten other cars, 9 October 2019 (JRC
+        // OpenACC; Makridis, Mattas, Anesiadou and Ciuffo 2021, Transportation Research Part C 125, 103047).
+        Demand {
+            recording: "a driver, handling course (OpenACC)".into(),
+            duration: 243.5,
+            speed_min: 2.0,
+            speed_mean: 15.0,
+            speed_max: 18.8,
+            accel_rms: 0.53,
+            decel_max: 1.88,
+            accel_max: 1.78,
+            jerk_rms: 0.41,
+            braking: 0.38,
+        },
+        // A 1965 Ferrari 250 LM on Palm Beach International Raceway, 22 February 2014 (Kegelman, Harbott and Gerdes 2017, Vehicle System
+        // Dynamics 55, 191-207).
+        Demand {
+            recording: "a racing driver (Kegelman et al. 2017)".into(),
+            duration: 550.0,
+            speed_min: 16.5,
+            speed_mean: 31.7,
+            speed_max: 60.8,
+            accel_rms: 3.05,
+            decel_max: 8.2,
+            accel_max: 4.3,
+            jerk_rms: 2.19,
+            braking: 0.40,
+        },
+    ]
 }
 
-/// Ours, as they are shipped, and the published one.
+/// Ours, as they are shipped, and the published ones.
 pub fn all() -> Vec<Demand> {
     let shipped = [
         ("driver, our lap", "data/handling_lap.csv"),
@@ -62,7 +79,7 @@ pub fn all() -> Vec<Demand> {
     ];
     let of_file = |(name, file): &(&str, &str)| of(name, &speeds(carried(file).expect("it is carried")));
     let mut demands: Vec<Demand> = shipped.iter().map(of_file).collect();
-    demands.push(racing_driver());
+    demands.extend(published());
     demands
 }
 

@@ -185,7 +185,8 @@ fn concerns(laws: &[&str], controller: &str, path: &str) -> bool {
     laws.contains(&controller) && (has(controller, key) || !laws.iter().any(|law| has(law, key)))
 }
 
-fn has(controller: &str, key: &str) -> bool {
+/// Whether a law has a key.
+pub fn has(controller: &str, key: &str) -> bool {
     find("controller", &CONTROLLERS, controller).is_ok_and(|entry| entry.keys.iter().any(|known| known.name == key))
 }
 

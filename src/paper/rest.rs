@@ -48,7 +48,8 @@ const SHORT_SINE: &str = "sine_200m is a sinusoid of 200 m, which asks for 2.5 m
 const RECORDINGS: &str = "driver is our lap, straight; driver_path the same along the reconstructed path; driver_racing and driver_racing_path are SUMO's racing lap; \
      driver_udds and driver_hwfet are the EPA driving cycles. Under the preset default the other laws drive too, with their own default gains.";
 
-const DEMANDS: &str = "Errors grow with what a recording asks for. Ours beside a published one of a racing driver. UDDS and HWFET were put together from recordings of drivers in \
+const DEMANDS: &str = "Errors grow with what a recording asks for. Ours beside two of people that others published, from which we took these figures by the same formulas: a lap driven by hand on a handling \
+     course, and a racing driver. UDDS and HWFET were put together from recordings of drivers in \
      traffic; both are limited to 1.5 m/s² for the dynamometers of their time.";
 
 const PAPER: &str = "The paper: P. Polack, B. d'Andréa-Novel, M. Fliess, A. de La Fortelle, L. Menhour: Finite-Time Stabilization of Longitudinal Control for \

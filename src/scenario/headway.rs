@@ -2,7 +2,7 @@
 
 use crate::{
     fleet::VehicleSetup,
-    keys::{Kind, Setting, Value},
+    keys::{Kind, Setting, Value, Values},
 };
 
 /// The word for [`HeadwayMargin::Auto`].
@@ -11,18 +11,19 @@ const AUTO: &str = "auto";
 /// What is added to the vType's `tau`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeadwayMargin {
-    /// As much as the actuation takes: dead time + lag + 1/K_P, of each vehicle.
+    /// As much as the actuation takes: dead time + lag + 1/K_P of each vehicle; T_e in place of 1/K_P for laws that have that.
     Auto,
     /// This much \[s\].
     Seconds(f64),
 }
 
 impl HeadwayMargin {
-    /// The margin of a vehicle whose controller has this K_P, if it has one, [1/s] \[s\].
-    pub fn of(self, vehicle: &VehicleSetup, k_p: Option<f64>) -> f64 {
-        let rate = || k_p.filter(|k_p| *k_p > 0.0).map_or(0.0, |k_p| 1.0 / k_p);
+    /// The margin of a vehicle whose controller has these keys \[s\].
+    pub fn of(self, vehicle: &VehicleSetup, law: &Values) -> f64 {
+        let rate = || law.get("k_p").filter(|k_p| *k_p > 0.0).map(|k_p: f64| 1.0 / k_p);
+        let answer_s = || rate().or_else(|| law.get("error_time_s")).unwrap_or(0.0);
         match self {
-            Self::Auto => vehicle.actuator.dead_time_s + vehicle.actuator.lag_s + rate(),
+            Self::Auto => vehicle.actuator.dead_time_s + vehicle.actuator.lag_s + answer_s(),
             Self::Seconds(margin_s) => margin_s,
         }
     }

@@ -52,7 +52,7 @@ keys! {
     pub struct Traffic {
         /// driver imperfection of the egos' car-following; not set = the vType's
         sigma: Option<f64>, "-", 0.0..=1.0;
-        /// added to the time headway tau of egos with a body; auto = dead time + lag + 1/k_p; not set = nothing
+        /// added to the time headway tau of egos with a body; auto = dead time + lag + 1/k_p (error_time_s of laws without k_p); not set = nothing
         headway_margin_s: Option<HeadwayMargin>, "s", 0.0..=10.0;
     }
 }

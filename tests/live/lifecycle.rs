@@ -356,6 +356,9 @@ fn drivers_keep_the_headway_that_they_are_given() {
         let auto_s = behind_s(&["--set", "traffic.headway_margin_s=auto", "--set", "controller.k_p=1"]);
         assert!((wide_s - plain_s - 2.0).abs() < 0.15, "SUMO {version}: {plain_s} s, {wide_s} s");
         assert!((auto_s - plain_s - 1.0).abs() < 0.15, "SUMO {version}: {plain_s} s, {auto_s} s");
+        // A law without K_P answers within T_e.
+        let lqi_s = behind_s(&["--controller", "lqi", "--set", "traffic.headway_margin_s=auto"]);
+        assert!((lqi_s - plain_s - 1.0).abs() < 0.15, "SUMO {version}: {plain_s} s, {lqi_s} s");
     }
 }
 
