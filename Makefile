@@ -39,7 +39,7 @@ bytes: setup-test ## Compare the bytes of eight simulations and the paper's test
 matrix: setup-test ## Every controller in eighteen conditions on four networks beside `ideal`, one line per run (an hour and a half); laws=classic,mpc for some
 	$(if $(laws),SUMO_MFC_MATRIX_LAWS=$(laws)) cargo test --release --locked --test matrix -- --ignored --nocapture
 
-tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in sixteen conditions (ten minutes)
+tuning: ## Tune every law with as many gains on the same drives, and judge them on others, in twenty-two conditions (a quarter of an hour)
 	cargo build --release --locked
 	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning --gains $(gains) --trials 60 \
 	  --controllers $(tuned) \
@@ -68,6 +68,16 @@ tuning: ## Tune every law with as many gains on the same drives, and judge them 
 	  --condition "told a quarter of the torque: law.torque_scale=0.25" \
 	  --condition "four times, dead time 0.25 s: law.torque_scale=4 actuator.delay_s=0.25" \
 	  --condition "a quarter, dead time 0.25 s: law.torque_scale=0.25 actuator.delay_s=0.25"
+	target/release/sumo-mfc tune scenarios/tuning/vehicle.toml -o out/tuning_limits --gains $(gains) --trials 60 \
+	  --controllers $(tuned) \
+	  --train scenarios/paper/data/udds.csv --test scenarios/paper/data/hwfet.csv scenarios/paper/data/racing_lap.csv \
+	  --condition "as it is:" \
+	  --condition "control period 5 ms: coupling.control_period_s=0.005" \
+	  --condition "control period 50 ms: coupling.control_period_s=0.05" \
+	  --condition "5 ms, dead time 0.25 s: coupling.control_period_s=0.005 actuator.delay_s=0.25" \
+	  --condition "50 ms, dead time 0.25 s: coupling.control_period_s=0.05 actuator.delay_s=0.25" \
+	  --condition "limits of 3 m/s²: vehicle.drive_torque_max_nm=1547 vehicle.brake_torque_max_nm=1547" \
+	  --condition "limits of 3 m/s², dead time 0.25 s: vehicle.drive_torque_max_nm=1547 vehicle.brake_torque_max_nm=1547 actuator.delay_s=0.25"
 
 chaos: setup-test ## Strike runs at random times chaos_n=320 times: kills, cut sockets, full disks; one table (chaos_seed=1)
 	CHAOS_SEED=$(chaos_seed) CHAOS_N=$(chaos_n) cargo test --release --locked --test chaos -- --ignored --nocapture

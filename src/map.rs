@@ -1,14 +1,8 @@
-//! Where does adaptation help? Every law over torque scale, gains, control period, torque limit and delay, on a noisy recording
-//! (RMS error) and the first step (overshoot).
+//! Where does adaptation help? The paper's two laws with the same gains over torque scale, K_P, control period, torque limit and delay,
+//! on a noisy recording (RMS error) and the first step (overshoot). Laws at gains of their own are compared by `tune`.
 //!
-//! **Equal tuning.** Each law has two gains to choose, those that `tune` takes first: K_P and T for the model-free laws, k_p and k_i
-//! for the PIDs, T_e and T_i for `lqi`, T and T_e for `mpc`. For all the optimiser is the same exhaustive search over a logarithmic grid
-//! of 9 × 9 with the right torque scale, and the cost is the same RMS error. What the best choice is worth when the torque scale is
-//! wrong by a factor is then read from the same table. `tune` does the like with a search, and judges on other recordings. Laws with a
-//! model are told the delay, as `tune` tells them that of the condition.
-//!
-//! A torque scale that is wrong by a factor is a vehicle whose nominal N·m per m/s² is, so that one block carries sixteen cases
-//! and a job is one controller with one choice of gains. Finished jobs are appended to `map.csv.part`; a second call goes on there.
+//! A torque scale is a vehicle whose nominal N·m per m/s² is another, so that one block carries sixteen cases and a job is one
+//! controller with one K_P. Finished jobs are appended to `map.csv.part`; a second call goes on there.
 
 mod cell;
 mod drives;
@@ -16,21 +10,18 @@ mod figures;
 mod grid;
 mod heat;
 mod part;
-mod summary;
-mod tuned;
 
 use crate::paper::library::Preset;
 use crate::paper::{Finding, Lab, PaperError, Request, write};
-use cell::{Cell, Job};
+use cell::{Cell, Job, Map};
 pub use grid::Grid;
-use grid::two_gains;
+use grid::LAWS;
 use indicatif::ProgressBar;
 use part::{HEADER, Part};
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeSet;
 use std::path::Path;
-use tuned::Map;
 
 /// The map around a preset if the request asks for the test `map`. If it asks for everything, a map that is there already
 /// is shown again, because that costs nothing; another one is not begun, because it takes minutes.
@@ -93,12 +84,8 @@ pub fn is_there(lab: &Lab, preset: &Preset, dir: &Path, grid: &Grid) -> Result<b
 fn jobs(grid: &Grid) -> Vec<Job> {
     let mut jobs = Vec::new();
     for &period_s in &grid.periods_s {
-        for controller in grid.laws() {
-            let Some([first, second]) = two_gains(controller) else { continue };
-            for &gain_1 in grid.axis(first.name) {
-                let with = |gain_2: &f64| Job { controller, period_s, gain_1, gain_2: *gain_2 };
-                jobs.extend(grid.axis(second.name).iter().map(with));
-            }
+        for &k_p in &grid.gains {
+            jobs.extend(LAWS.map(|controller| Job { controller, period_s, k_p }));
         }
     }
     jobs
@@ -107,7 +94,7 @@ fn jobs(grid: &Grid) -> Vec<Job> {
 /// What a finished job depends on besides its own numbers.
 fn key(lab: &Lab, preset: &Preset, grid: &Grid) -> Result<String, PaperError> {
     let mut text = format!("{grid:?}");
-    for controller in grid.laws() {
+    for controller in LAWS {
         for test in ["driver", "step"] {
             text += &lab.library.scenario(test, preset, controller, &[])?.to_toml();
         }

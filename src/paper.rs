@@ -55,7 +55,7 @@ pub const FILES: [[&str; 3]; 9] = [
     ["series/", "The curves of the figures, as CSV", "always"],
     ["scenarios/", "The scenarios of the tests, to be changed", "unless the working directory has `scenarios/paper`"],
     ["lap.csv", "The lap that was recorded, and nothing else of this", "with `record`"],
-    ["map_summary.csv", "How the laws do beside each other over the map", "with `map`"],
+    ["map.csv", "Every case of the map", "with `map`"],
 ];
 
 /// Runs a test under one preset.
@@ -151,8 +151,8 @@ pub fn run(request: &Request, beyond: Beyond) -> Result<Results, PaperError> {
         None => lab.library.presets.iter().collect(),
     };
     let driven: BTreeSet<&str> = match tests[..] {
-        // The map drives all of them.
-        [] => every_law().collect(),
+        // The map drives the paper's.
+        [] => BTreeSet::from(CONTROLLERS),
         _ => tests.iter().flat_map(|test| presets.iter().flat_map(|preset| (test.build.laws)(preset))).collect(),
     };
     let driven: Vec<&str> = every_law().filter(|law| driven.contains(law)).collect();
@@ -228,9 +228,6 @@ fn write_all(request: &Request, lab: &Lab, presets: &[&Preset], whole: Finding) 
     }
     for figure in &whole.figures {
         write(&dir.join("figures").join(format!("{}.svg", figure.name)), &figure.file())?;
-    }
-    for (name, text) in &whole.files {
-        write(&dir.join(name), text)?;
     }
     let results = Results { rows: whole.rows.clone(), text: whole.text.clone() };
     write(&dir.join("results.csv"), &results.to_csv())?;

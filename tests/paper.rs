@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use predicates::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use sumo_mfc::map;
@@ -10,7 +10,7 @@ use sumo_mfc::paper::Demand;
 use sumo_mfc::paper::library::Library;
 use sumo_mfc::paper::results::Results;
 use sumo_mfc::paper::row::Row;
-use sumo_mfc::paper::{self, Lab, PaperError, Request, Verdict, every_law, law};
+use sumo_mfc::paper::{self, Lab, PaperError, Request, Verdict, law};
 use tempfile::TempDir;
 
 fn folder() -> TempDir {
@@ -554,40 +554,15 @@ fn law_a_map_that_was_broken_off_goes_on_to_the_same_bytes() {
     assert_eq!(make(broken.path()), whole);
 }
 
-/// Laws with a model are told the delay of their own case.
-#[test]
-fn law_a_case_of_the_map_does_not_depend_on_the_other_delays() {
-    let cells = |delays_s: &[f64]| -> BTreeSet<String> {
-        let dir = folder();
-        let lab = lab(dir.path());
-        let preset = lab.library.find("default").unwrap().clone();
-        let grid = map::Grid { periods_s: vec![0.02], delays_s: delays_s.to_vec(), ..map::Grid::coarse() };
-        map::run(&lab, &preset, dir.path(), &grid, false).unwrap();
-        let text = fs::read_to_string(dir.path().join("map.csv")).unwrap();
-        text.lines().skip(2).map(str::to_owned).collect()
-    };
-    let [prompt, late, both] = [cells(&[0.0]), cells(&[0.25]), cells(&[0.0, 0.25])];
-    assert!(!prompt.is_empty() && prompt.is_disjoint(&late));
-    assert_eq!(&prompt | &late, both);
-}
-
 #[test]
 fn the_map_is_drawn_for_every_delay() {
     let dir = folder();
     let results = run(&request("map", dir.path())).unwrap();
-    for name in [
-        "map_rms_delay0_limit5.3",
-        "map_overshoot_delay0.25_limit5.3",
-        "map_tuned_adaptive_pid",
-        "map_tuned_overshoot_calibrating_classic",
-    ] {
+    for name in ["map_rms_delay0_limit5.3", "map_overshoot_delay0.25_limit5.3"] {
         assert!(dir.path().join("figures").join(format!("{name}.svg")).is_file(), "{name}");
     }
-    let tuned = |controller: &str| {
-        let mut rows = results.rows.iter().filter(|r| r.test.starts_with("map_tuned") && r.controller == controller);
-        rows.any(|r| r.quantity == "error_rms" && r.value.is_some_and(|v| v > 0.0))
-    };
-    assert!(every_law().all(tuned));
+    let share = |quantity: &str| results.get("map", "default", true, "adaptive", quantity).unwrap().value.unwrap();
+    assert!((0.0..=1.0).contains(&(share("rms_better_by_5_percent_share") + share("rms_worse_by_5_percent_share"))));
     let lab = lab(dir.path());
     let is_there = |preset: &str, grid: &map::Grid| {
         map::is_there(&lab, lab.library.find(preset).unwrap(), dir.path(), grid).unwrap()
@@ -596,69 +571,51 @@ fn the_map_is_drawn_for_every_delay() {
     assert!(!is_there("best", &map::Grid::coarse()) && !is_there("default", &map::Grid::whole()), "not this map");
 }
 
-/// The table of the map, against one that is worked out here from the cells alone.
+/// The shares of the map, against those that are worked out here from the cells alone.
 #[test]
-fn law_the_maps_summary_is_what_its_cells_say() {
+fn law_the_maps_shares_are_what_its_cells_say() {
     let dir = folder();
     let results = run(&request("map", dir.path())).unwrap();
-    let read = |name: &str| fs::read_to_string(dir.path().join(name)).unwrap();
-    let cells = read("map.csv");
-    let cells: Vec<(&str, Vec<f64>)> = cells
-        .lines()
-        .skip(2)
-        .map(|line| line.split_once(',').unwrap())
-        .map(|(law, rest)| (law, rest.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect()))
-        .collect();
-    // Δt, gain 1, gain 2, scale, limit, delay, RMS error, overshoot
-    let error = |law: &str, period: f64, delay: f64, factor: f64| {
-        let here = cells.iter().filter(|(l, c)| *l == law && c[0] == period && c[5] == delay).map(|(_, c)| c);
-        let right = |c: &&&Vec<f64>| c[3] == 1.0;
-        let here: Vec<&Vec<f64>> = here.collect();
-        let best = here.iter().filter(right).min_by(|a, b| a[6].total_cmp(&b[6])).unwrap();
-        here.iter().find(|c| c[1] == best[1] && c[2] == best[2] && c[3] == factor).map(|c| c[6])
+    let text = fs::read_to_string(dir.path().join("map.csv")).unwrap();
+    // Where (Δt, K_P, scale, limit, delay), RMS error, overshoot
+    let of_law = |law: &str| -> BTreeMap<String, [Option<f64>; 2]> {
+        let lines = text.lines().filter_map(|line| line.strip_prefix(&format!("{law},")));
+        let cell = |line: &str| {
+            let fields: Vec<&str> = line.split(',').collect();
+            (fields[..5].join(","), [5, 6].map(|k| fields[k].parse().ok()))
+        };
+        lines.map(cell).collect()
     };
-    // Both gains of every law, and the scale that it does not know, act.
-    for law in every_law() {
-        for gain in [1, 2, 3] {
-            let others = |c: &[f64]| -> Vec<f64> { (0..6).filter(|k| *k != gain).map(|k| c[k]).collect() };
-            let of_law = || cells.iter().filter(|(l, c)| *l == law && c[6].is_finite()).map(|(_, c)| c);
-            let differ = |a: &Vec<f64>, b: &Vec<f64>| others(a) == others(b) && a[gain] != b[gain] && a[6] != b[6];
-            assert!(of_law().any(|a| of_law().any(|b| differ(a, b))), "{law}: column {gain} does nothing");
+    let (classic, adaptive) = (of_law("classic"), of_law("adaptive"));
+    assert!(classic.len() > 10 && classic.keys().eq(adaptive.keys()));
+    // Every axis acts.
+    for axis in 0..5 {
+        let others = |at: &str| {
+            at.split(',').enumerate().filter(|(k, _)| *k != axis).map(|(_, v)| v.to_owned()).collect::<Vec<_>>()
+        };
+        let differ = |a: (&String, &[Option<f64>; 2]), b: (&String, &[Option<f64>; 2])| {
+            others(a.0) == others(b.0) && a.1[0] != b.1[0]
+        };
+        let acts = classic.iter().any(|a| classic.iter().any(|b| differ(a, b)));
+        assert!(acts || axis == 3, "column {axis} does nothing; the coarse map has one limit");
+    }
+    for (k, name, more) in [(0, "rms", 0.0), (1, "overshoot", 1.0)] {
+        let ratio = |(at, cell): (&String, &[Option<f64>; 2])| Some((cell[k]? + more) / (classic[at][k]? + more));
+        let ratios: Vec<f64> = adaptive.iter().filter_map(ratio).collect();
+        let share = |is_meant: &dyn Fn(f64) -> bool| {
+            ratios.iter().filter(|r| is_meant(**r)).count() as f64 / ratios.len() as f64
+        };
+        for (word, wanted) in [("better", share(&|r| r * 1.05 < 1.0)), ("worse", share(&|r| r / 1.05 >= 1.0))] {
+            let quantity = format!("{name}_{word}_by_5_percent_share");
+            let found = results.get("map", "default", true, "adaptive", &quantity).unwrap().value.unwrap();
+            assert!((found - wanted).abs() < 1e-12, "{quantity}: {found} instead of {wanted}");
+            let told = format!("{name} {word} by 5 percent in {:.0} %", 100.0 * wanted);
+            assert!(results.table().contains(&told), "{told}");
         }
     }
-    let summary = read("map_summary.csv");
-    let mut compared = 0;
-    for line in summary.lines().skip(1) {
-        let fields: Vec<&str> = line.split(',').collect();
-        let number = |i: usize| fields[i].parse::<f64>().unwrap();
-        let mut ratios: Vec<(f64, [f64; 2])> = Vec::new();
-        for (period, delay) in [(0.01, 0.0), (0.01, 0.25), (0.02, 0.0), (0.02, 0.25)] {
-            let of = |law: &str| error(law, period, delay, number(2));
-            if let Some((mine, other)) = of(fields[0]).zip(of(fields[1])) {
-                ratios.push((mine / other, [period, delay]));
-            }
-        }
-        ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
-        assert_eq!(number(3), ratios.len() as f64, "{line}");
-        let Some(&(largest, [period, delay])) = ratios.last() else { continue };
-        let middle = 0.5 * (ratios[(ratios.len() - 1) / 2].0 + ratios[ratios.len() / 2].0);
-        assert_eq!([number(5), number(6), number(7)], [middle, ratios[0].0, largest], "{line}");
-        assert_eq!([number(8), number(9), number(10)], [period, 5.3, delay], "{line}");
-        assert!((number(11) / number(12) / largest - 1.0).abs() < 1e-12, "{line}");
-        compared += ratios.len();
-    }
-    let laws = every_law().count();
-    assert_eq!(summary.lines().count(), 1 + laws * (laws - 1) * 2, "each law over each other one, by factor");
-    assert!(compared > 50, "{compared}");
-
-    // The page and the command tell the same; the map is there, so that nothing is computed again.
-    let line = summary.lines().find(|l| l.starts_with("calibrating,pid,0.5,")).unwrap();
-    let [median, least, largest] = [5, 6, 7].map(|i| line.split(',').nth(i).unwrap().parse::<f64>().unwrap());
-    let cell = format!("{median:.2} ({least:.2} … {largest:.2}), 4");
-    assert!(read("index.html").contains(&cell));
-    assert!(results.table().contains(&cell));
+    // The map is there, so that nothing is computed again; the command tells the same.
     let printed = command().args(["paper", "map", "--coarse", "--preset", "default", "-o"]).arg(dir.path()).assert();
-    printed.success().stdout(predicate::str::contains(&cell).and(predicate::str::contains("Where each law is worst")));
+    printed.success().stdout(predicate::str::contains(results.table()));
 }
 
 /// A disturbance that is no step for the body cannot be told from none; a mass of one and a half can.

@@ -123,7 +123,7 @@ vectorised! {
             let kappa = curvature.min(limit).max(-limit);
             let angle =
                 Polynomial::atan(steering.wheelbase_m[slot] * kappa) + steering.understeer_s2_per_m[slot] * square * kappa;
-            out[slot] = angle.min(LOCK_RAD).max(-LOCK_RAD);
+            out[slot] = angle.clamp(-LOCK_RAD, LOCK_RAD);
         }
     }
 }

@@ -1,16 +1,14 @@
-//! One case of the map, and its line in `map.csv`.
+//! One case of the map, its line in `map.csv`, and all of them.
 
-use crate::paper::every_law;
+use super::grid::{Grid, LAWS};
 use std::fmt::Write;
 
-/// One controller with its gains.
+/// One controller with its gain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Job {
     pub controller: &'static str,
     pub period_s: f64,
-    /// The law's two gains, as `two_gains` has them.
-    pub gain_1: f64,
-    pub gain_2: f64,
+    pub k_p: f64,
 }
 
 /// One case of a job, and what came out.
@@ -20,11 +18,9 @@ pub struct Cell {
     pub controller: &'static str,
     /// Δt \[s\].
     pub period_s: f64,
-    /// The first gain.
-    pub gain_1: f64,
-    /// The second gain.
-    pub gain_2: f64,
-    /// b, which is also the factor by which the torque scale is wrong.
+    /// K_P [1/s].
+    pub k_p: f64,
+    /// b [m/s² per u].
     pub scale: f64,
     /// Torque limit [m/s²].
     pub limit_mps2: f64,
@@ -36,20 +32,36 @@ pub struct Cell {
     pub overshoot: Option<f64>,
 }
 
+/// The finished map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// Its axes.
+    pub grid: Grid,
+    /// Its cells.
+    pub cells: Vec<Cell>,
+}
+
+impl Map {
+    /// The cell of a law at a place of the grid.
+    pub fn at(&self, law: &str, place: [f64; 5]) -> Option<&Cell> {
+        self.cells.iter().find(|cell| cell.controller == law && cell.place().1 == place)
+    }
+}
+
 impl Job {
     pub fn name(&self) -> String {
-        format!("{},{},{},{}", self.controller, self.period_s, self.gain_1, self.gain_2)
+        format!("{},{},{}", self.controller, self.period_s, self.k_p)
     }
 }
 
 impl Cell {
     pub fn job(&self) -> String {
-        let Self { controller, period_s, gain_1, gain_2, .. } = *self;
-        Job { controller, period_s, gain_1, gain_2 }.name()
+        let Self { controller, period_s, k_p, .. } = *self;
+        Job { controller, period_s, k_p }.name()
     }
 
-    pub fn place(&self) -> (&'static str, [f64; 6]) {
-        (self.controller, [self.period_s, self.gain_1, self.gain_2, self.scale, self.limit_mps2, self.delay_s])
+    pub fn place(&self) -> (&'static str, [f64; 5]) {
+        (self.controller, [self.period_s, self.k_p, self.scale, self.limit_mps2, self.delay_s])
     }
 
     pub fn line(&self) -> String {
@@ -63,11 +75,11 @@ impl Cell {
     pub fn read(line: &str) -> Option<Self> {
         let fields: Vec<&str> = line.split(',').collect();
         let [name, numbers @ .., rms, overshoot] = fields.as_slice() else { return None };
-        let controller = every_law().find(|law| law == name)?;
+        let controller = LAWS.into_iter().find(|law| law == name)?;
         let numbers: Vec<f64> = numbers.iter().map(|n| n.parse().ok()).collect::<Option<_>>()?;
-        let [period_s, gain_1, gain_2, scale, limit_mps2, delay_s] = numbers.try_into().ok()?;
+        let [period_s, k_p, scale, limit_mps2, delay_s] = numbers.try_into().ok()?;
         let optional = |text: &str| if text.is_empty() { Some(None) } else { text.parse().ok().map(Some) };
         let (error_rms, overshoot) = (optional(rms)?, optional(overshoot)?);
-        Some(Self { controller, period_s, gain_1, gain_2, scale, limit_mps2, delay_s, error_rms, overshoot })
+        Some(Self { controller, period_s, k_p, scale, limit_mps2, delay_s, error_rms, overshoot })
     }
 }

@@ -2,69 +2,48 @@
 //! is wrong by a factor is a vehicle whose nominal N·m per m/s² is.
 
 use super::cell::{Cell, Job};
-use super::grid::{Grid, two_gains};
+use super::grid::{Grid, WINDOW_S};
 use crate::offline::{End, Road, Trip};
-use crate::paper::library::{Preset, has};
+use crate::paper::library::Preset;
 use crate::paper::step::{Plateau, plateaus, response};
 use crate::paper::{Lab, PaperError};
 use crate::scenario::Override;
 
-/// The key of the torque scale, which not every law has.
-const SCALE: &str = "accel_per_unit_mps2";
 /// How long the step test lasts here \[s\].
 const STEP_S: f64 = 60.0;
 
-/// All cases of this controller, side by side for every delay: laws with a model are told it.
+/// All cases of this controller, side by side.
 pub fn carry_out(job: &Job, lab: &Lab, preset: &Preset, grid: &Grid) -> Result<Vec<Cell>, PaperError> {
-    let Job { controller, period_s, gain_1, gain_2 } = *job;
-    let mut all = Vec::new();
-    for &delay_s in &grid.delays_s {
-        let mut cells = Vec::new();
-        for scale in grid.scales_of(controller, gain_2) {
-            for &limit_mps2 in &grid.limits_mps2 {
+    let Job { controller, period_s, k_p } = *job;
+    let mut cells = Vec::new();
+    for &scale in &grid.scales {
+        for &limit_mps2 in &grid.limits_mps2 {
+            for &delay_s in &grid.delays_s {
                 let (error_rms, overshoot) = (None, None);
-                cells.push(Cell {
-                    controller,
-                    period_s,
-                    gain_1,
-                    gain_2,
-                    scale,
-                    limit_mps2,
-                    delay_s,
-                    error_rms,
-                    overshoot,
-                });
+                cells.push(Cell { controller, period_s, k_p, scale, limit_mps2, delay_s, error_rms, overshoot });
             }
         }
-        let settings = settings(job, delay_s);
-        drive_recording(job, lab, preset, &settings, &mut cells)?;
-        drive_step(job, lab, preset, &settings, &mut cells)?;
-        all.append(&mut cells);
     }
-    Ok(all)
+    drive_recording(job, lab, preset, &mut cells)?;
+    drive_step(job, lab, preset, &mut cells)?;
+    Ok(cells)
 }
 
-fn settings(job: &Job, delay_s: f64) -> Vec<Override> {
+fn settings(job: &Job, cells: &[Cell]) -> Vec<Override> {
     let number = |path: &str, value: f64| Override::literal("map", path, format!("{value:?}"));
-    let mut settings = vec![number("coupling.control_period_s", job.period_s), number("actuator.delay_s", delay_s)];
-    let gains = two_gains(job.controller).expect("laws on the map have two gains");
-    let gains = gains.iter().zip([job.gain_1, job.gain_2]);
-    settings.extend(gains.map(|(gain, value)| number(&format!("controller.{}", gain.name), value)));
-    if has(job.controller, SCALE) {
+    let longest_s = cells.iter().fold(0.0_f64, |longest, c| longest.max(c.delay_s));
+    vec![
+        number("coupling.control_period_s", job.period_s),
+        number("actuator.delay_s", longest_s),
+        number("controller.k_p", job.k_p),
+        number("controller.window_s", WINDOW_S),
         // The cases have their scales in what the vehicle is taken for.
-        settings.push(number(&format!("controller.{SCALE}"), 1.0));
-    }
-    settings
+        number("controller.accel_per_unit_mps2", 1.0),
+    ]
 }
 
-fn drive_recording(
-    job: &Job,
-    lab: &Lab,
-    preset: &Preset,
-    settings: &[Override],
-    cells: &mut [Cell],
-) -> Result<(), PaperError> {
-    let mut settings = settings.to_vec();
+fn drive_recording(job: &Job, lab: &Lab, preset: &Preset, cells: &mut [Cell]) -> Result<(), PaperError> {
+    let mut settings = settings(job, cells);
     // By time, so that a car that hardly moves ends as well.
     settings.push(Override::text("map", "target.by", "time"));
     // The hard lap, on which limits and delays tell the laws apart.
@@ -81,14 +60,8 @@ fn drive_recording(
     Ok(())
 }
 
-fn drive_step(
-    job: &Job,
-    lab: &Lab,
-    preset: &Preset,
-    settings: &[Override],
-    cells: &mut [Cell],
-) -> Result<(), PaperError> {
-    let scenario = lab.library.scenario("step", preset, job.controller, settings)?;
+fn drive_step(job: &Job, lab: &Lab, preset: &Preset, cells: &mut [Cell]) -> Result<(), PaperError> {
+    let scenario = lab.library.scenario("step", preset, job.controller, &settings(job, cells))?;
     let road = Road::new(&scenario)?;
     let [first, _] = plateaus(&road);
     let exact = road.trips(0, 0.0, End::Time(STEP_S))?.remove(0);

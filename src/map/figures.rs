@@ -1,12 +1,7 @@
-//! What the map says: heat maps of ratios, the best gains of each law, and what they are worth with a wrong torque scale.
+//! What the map says: heat maps of ratios, and in how many cells adaptation helps.
 
-use super::cell::Cell;
-use super::grid::{SHOWN_OVER_SCALE, two_gains};
+use super::cell::{Cell, Map};
 use super::heat::{Heat, Panel, heat_map};
-use super::summary::Summary;
-use super::tuned::{Map, Tuned};
-use crate::figure::Figure;
-use crate::keys::{Key, Kind};
 use crate::paper::Finding;
 use crate::paper::row::{Row, Rows};
 
@@ -19,28 +14,10 @@ const VALUES: [Value; 2] = [
     ("overshoot", "overshoot of the first step (+1 %)", |c| c.overshoot.map(|o| o + 1.0)),
 ];
 
-/// Laws that are compared at their best gains.
-const PAIRS: [(&str, &str); 9] = [
-    ("adaptive", "classic"),
-    ("adaptive", "pid"),
-    ("classic", "pid"),
-    ("calibrating", "classic"),
-    ("calibrating", "adaptive"),
-    ("calibrating", "pid"),
-    ("calibrating", "smith_pi"),
-    ("calibrating", "lqi"),
-    ("calibrating", "mpc"),
-];
-
 /// Everything that is shown of it. `mark` is the paper's point: Δt, K_P and b of a preset.
 pub fn finding(map: &Map, preset: &str, mark: [f64; 3]) -> Finding {
-    let summary = Summary::of(map);
-    let mut finding = Finding {
-        files: vec![("map_summary.csv", summary.to_csv())],
-        tables: summary.tables().map(|table| ("map", table)).into(),
-        text: summary.text(),
-        ..Finding::default()
-    };
+    let rows = shares(map, preset);
+    let mut finding = Finding { text: words(&rows), rows, ..Finding::default() };
     for (value, title, of) in VALUES {
         for &delay_s in &map.grid.delays_s {
             for &limit_mps2 in &map.grid.limits_mps2 {
@@ -50,36 +27,17 @@ pub fn finding(map: &Map, preset: &str, mark: [f64; 3]) -> Finding {
             }
         }
     }
-    finding.rows.extend(shares(map, preset));
-    let tuned = map.tuned();
-    for value in VALUES {
-        finding.figures.extend(PAIRS.map(|pair| robustness(map, &tuned, value, pair)));
-    }
-    for (condition, laws) in &tuned {
-        for law in laws {
-            let test = format!("map_tuned_{}", condition.replace(", ", "_").replace(' ', ""));
-            let rows = Rows { test: &test, preset, controller: law.law };
-            let gains = two_gains(law.law).into_iter().flatten().zip([law.best.gain_1, law.best.gain_2]);
-            finding.rows.extend(gains.map(|(gain, value)| noisy(&rows, gain.name, unit(gain), Some(value))));
-            finding.rows.push(noisy(&rows, "error_rms", "m/s", law.best.error_rms));
-        }
-    }
     finding
-}
-
-/// The unit of a gain.
-fn unit(gain: &Key) -> &'static str {
-    if let Kind::Number { unit, .. } = gain.kind { unit } else { "" }
 }
 
 /// Adaptive over classic with the same K_P, b and T, one panel per control period.
 fn plane(map: &Map, title: &str, of: fn(&Cell) -> Option<f64>, condition: (f64, f64), mark: [f64; 3]) -> Heat<'static> {
     let (delay_s, limit_mps2) = condition;
-    let (grid, gains) = (&map.grid, map.grid.axis("k_p"));
+    let (grid, gains) = (&map.grid, &map.grid.gains);
     let names = |axis: &[f64]| axis.iter().map(|x| format!("{x}")).collect::<Vec<_>>();
     let panels = grid.periods_s.iter().map(|&period_s| {
         let ratio = |gain: f64, scale: f64| {
-            let place = [period_s, gain, SHOWN_OVER_SCALE.1, scale, limit_mps2, delay_s];
+            let place = [period_s, gain, scale, limit_mps2, delay_s];
             Some(of(map.at("adaptive", place)?)? / of(map.at("classic", place)?)?)
         };
         let here = delay_s == 0.0 && period_s == mark[0];
@@ -103,10 +61,11 @@ fn plane(map: &Map, title: &str, of: fn(&Cell) -> Option<f64>, condition: (f64, 
 fn shares(map: &Map, preset: &str) -> Vec<Row> {
     let rows = Rows { test: "map", preset, controller: "adaptive" };
     let share = |of: fn(&Cell) -> Option<f64>, factor: f64| {
-        let pairs = map.cells.iter().filter(|c| c.controller == "adaptive").filter_map(|c| {
-            let place = [c.period_s, c.gain_1, c.gain_2, c.scale, c.limit_mps2, c.delay_s];
-            Some(of(c)? / of(map.at("classic", place)?)?)
-        });
+        let pairs = map
+            .cells
+            .iter()
+            .filter(|c| c.controller == "adaptive")
+            .filter_map(|c| Some(of(c)? / of(map.at("classic", c.place().1)?)?));
         let ratios: Vec<f64> = pairs.collect();
         let better = ratios.iter().filter(|r| **r * factor < 1.0).count() as f64;
         (!ratios.is_empty()).then(|| better / ratios.len() as f64)
@@ -120,29 +79,15 @@ fn shares(map: &Map, preset: &str) -> Vec<Row> {
     ]
 }
 
-/// Ratio of two tuned laws when the torque scale is wrong.
-fn robustness(map: &Map, tuned: &[(String, Vec<Tuned>)], value: Value, pair: (&str, &str)) -> Figure {
-    let ((name, title, of), (over, under)) = (value, pair);
-    let column = |laws: &[Tuned], row: usize| {
-        let worth = |name: &str| of(laws.iter().find(|t| t.law == name)?.wrong[row].as_ref()?);
-        Some(worth(over)? / worth(under)?)
+/// The shares, for the terminal.
+fn words(rows: &[Row]) -> String {
+    let line = |row: &Row| {
+        let quantity = row.quantity.trim_end_matches("_share").replace('_', " ");
+        row.value.map(|share| {
+            format!("adaptive, with the gains of classic: {quantity} in {:.0} % of the cases\n", 100.0 * share)
+        })
     };
-    let rows = 0..map.grid.factors.len();
-    let panel = Panel {
-        title: format!("{over} / {under}, each with the gains of its least RMS error"),
-        columns: tuned.iter().map(|(name, _)| name.replace("limit ", "").replace("delay ", "")).collect(),
-        rows: map.grid.factors.iter().map(|f| format!("x {f}")).collect(),
-        ratios: rows.map(|row| tuned.iter().map(|(_, laws)| column(laws, row)).collect()).collect(),
-        mark: None,
-    };
-    let heat = Heat {
-        title: format!("{title} when the torque scale is wrong by a factor, {over}/{under}"),
-        x: "control period, torque limit [m/s2], delay [s]",
-        y: "factor",
-        panels: vec![panel],
-    };
-    let prefix = if name == "rms" { String::new() } else { format!("{name}_") };
-    heat_map(&format!("map_tuned_{prefix}{over}_{under}"), &heat)
+    rows.iter().filter_map(line).collect()
 }
 
 /// Where a value is on a logarithmic axis, in cells.

@@ -8,7 +8,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-pub const HEADER: &str = "controller,period_s,gain_1,gain_2,scale,limit_mps2,delay_s,error_rms,overshoot_1";
+pub const HEADER: &str = "controller,period_s,k_p,scale,limit_mps2,delay_s,error_rms,overshoot_1";
 
 /// The cells of all whole jobs in a file. A job or line that was cut off by the end of its program is not taken.
 fn finished(text: &str, grid: &Grid) -> Vec<Cell> {
@@ -18,9 +18,8 @@ fn finished(text: &str, grid: &Grid) -> Vec<Cell> {
     for cell in &cells {
         *counts.entry(cell.job()).or_insert(0) += 1;
     }
-    let whole =
-        |cell: &Cell| grid.scales_of(cell.controller, cell.gain_2).len() * grid.limits_mps2.len() * grid.delays_s.len();
-    cells.retain(|cell| counts[&cell.job()] == whole(cell));
+    let whole = grid.scales.len() * grid.limits_mps2.len() * grid.delays_s.len();
+    cells.retain(|cell| counts[&cell.job()] == whole);
     cells
 }
 

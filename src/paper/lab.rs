@@ -4,7 +4,6 @@ use super::library::Library;
 use super::row::Row;
 use super::series::Series;
 use crate::figure::Figure;
-use crate::page::TableView;
 use std::path::PathBuf;
 
 /// Seeds of the noise.
@@ -28,10 +27,6 @@ pub struct Finding {
     pub figures: Vec<Figure>,
     /// What the figures show, as numbers.
     pub series: Vec<Series>,
-    /// More files, by name.
-    pub files: Vec<(&'static str, String)>,
-    /// Tables of the page by the test that they belong to.
-    pub tables: Vec<(&'static str, TableView)>,
     /// The end of what the command prints.
     pub text: String,
 }
@@ -42,8 +37,6 @@ impl Finding {
         self.rows.extend(other.rows);
         self.figures.extend(other.figures);
         self.series.extend(other.series);
-        self.files.extend(other.files);
-        self.tables.extend(other.tables);
         self.text += &other.text;
     }
 }

@@ -1,11 +1,13 @@
 //! Which gains of a law are free, and within which range they are looked for.
 
 use super::error::TuneError;
-use crate::control;
 use crate::keys::{Key, Kind};
 use crate::registry::find;
 use crate::scenario::{Catalog, Scenario};
 
+/// What counts as a gain, the most usual first. What a law believes about the vehicle (`accel_per_unit_mps2`, `model_delay_s`), and bounds,
+/// are none: they are part of the condition.
+const GAINS: [&str; 8] = ["k_p", "window_s", "k_i", "epsilon", "memory_s", "k_d", "error_time_s", "integral_time_s"];
 /// How far from its default a gain is looked for, as a factor.
 const FAR: f64 = 100.0;
 /// What a gain whose default is 0 is looked for around.
@@ -26,7 +28,8 @@ pub struct Gain {
 pub fn gains(catalog: &Catalog, controller: &str, count: usize, scenario: &Scenario) -> Result<Vec<Gain>, TuneError> {
     let [(kind, laws), ..] = catalog.registries();
     let law = find(kind, &laws, controller)?;
-    let all = control::gains(law.keys);
+    let has = |name: &&'static str| law.keys.iter().find(|key| key.name == *name);
+    let all: Vec<&Key> = GAINS.iter().filter_map(has).collect();
     if count == 0 || count > all.len() {
         let known = all.iter().map(|key| key.name).collect();
         return Err(TuneError::Gains { controller: controller.to_owned(), wanted: count, known });
