@@ -330,8 +330,9 @@ fn val_the_shipped_lap_is_what_the_command_records() {
     let demands = paper::demand::all();
     assert!((0.5..=0.7).contains(&demands[0].accel_rms), "brisk: {:?}", demands[0]);
     // It asks for what a lap that somebody drove by hand on a handling course asks for.
-    let of = |of: fn(&Demand) -> f64, name: &str| of(demands.iter().find(|d| d.recording.contains(name)).unwrap());
-    let alike: [(&str, fn(&Demand) -> f64); 4] = [
+    type Value = fn(&Demand) -> f64;
+    let of = |of: Value, name: &str| of(demands.iter().find(|d| d.recording.contains(name)).unwrap());
+    let alike: [(&str, Value); 4] = [
         ("mean speed", |d| d.speed_mean),
         ("acceleration", |d| d.accel_rms),
         ("jerk", |d| d.jerk_rms),

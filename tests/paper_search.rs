@@ -73,8 +73,8 @@ impl Choice {
         recompute: true,
     };
 
-    /// `delay_d`, with a rate of the reference and without; `delay_a` and `default`.
-    const KNOWN: [Self; 4] = [
+    /// `delay_d`, with a rate of the reference and without; `delay_a` and `default`; where the search from `delay_a` with an ε of its own ended.
+    const KNOWN: [Self; 5] = [
         Self { values: [0.01125, 16.74, 3.09, 7.47, 0.05, 0.2, 0.1], rate: true, ..Self::VARIANT },
         Self { values: [0.01125, 16.74, 3.09, 7.47, 0.05, 0.2, 0.1], ..Self::VARIANT },
         Self {
@@ -87,6 +87,12 @@ impl Choice {
             values: [0.072, 4.0, 5.3, 5.3, 0.01, 0.2, 0.01],
             estimate: "applied",
             rate: true,
+            window_alpha: "updated",
+            recompute: false,
+            ..Self::VARIANT
+        },
+        Self {
+            values: [0.00752, 39.25, 3.466, 4.49, 0.0645, 0.1916, 0.0581],
             window_alpha: "updated",
             recompute: false,
             ..Self::VARIANT
