@@ -1,0 +1,131 @@
+//! Which small changes of the code does no test notice?
+//!
+//! cargo-mutants lists the changes: `<` for `<=`, an empty body, a match arm less. Built one after the other they take a
+//! day. So all of them are put into one copy of the crate (mutant schemata), each behind a question to a switch; the copy
+//! is built once, and a number in the environment says which change is in force. Every test is run once to see which
+//! changes it comes across; then every change is tried with the tests that do, the quickest first, until one fails.
+//!
+//! `sumo-mfc-mutants [--root DIR] [--survivors FILE] [--list FILE] [--test-s SECONDS] [--mutant-s SECONDS] PLACE... -- ARGUMENTS`
+//! tries what is in PLACEs such as `src/cosim` with the tests that `cargo test ARGUMENTS` builds. It ends with 1 when a
+//! change survives that the file of survivors has no reason for. With `--list` it reads what `cargo mutants --list --json`
+//! has printed before.
+
+mod compile;
+mod list;
+mod outcome;
+mod rewrite;
+mod sites;
+mod tree;
+mod trial;
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use list::{Mutant, is_in};
+use outcome::{Known, Tried, survivors, table};
+use trial::Limits;
+
+struct Call {
+    root: PathBuf,
+    survivors: Option<PathBuf>,
+    list: Option<PathBuf>,
+    limits: Limits,
+    places: Vec<String>,
+    cargo: Vec<String>,
+}
+
+impl Call {
+    fn read(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
+        let limits = Limits { test: Duration::from_secs(40), mutant: Duration::from_secs(60) };
+        let mut call =
+            Self { root: ".".into(), survivors: None, list: None, limits, places: Vec::new(), cargo: Vec::new() };
+        while let Some(word) = words.next() {
+            let mut value = || words.next().ok_or(format!("{word} needs a value"));
+            let seconds =
+                |text: String| text.parse().map(Duration::from_secs).map_err(|error| format!("{text}: {error}"));
+            match word.as_str() {
+                "--root" => call.root = value()?.into(),
+                "--survivors" => call.survivors = Some(value()?.into()),
+                "--list" => call.list = Some(value()?.into()),
+                "--test-s" => call.limits.test = seconds(value()?)?,
+                "--mutant-s" => call.limits.mutant = seconds(value()?)?,
+                "--" => call.cargo = words.by_ref().collect(),
+                _ if word.starts_with('-') => return Err(format!("{word} is not an option")),
+                _ => call.places.push(word),
+            }
+        }
+        call.root = call.root.canonicalize().map_err(|error| format!("{}: {error}", call.root.display()))?;
+        Ok(call)
+    }
+}
+
+fn main() -> ExitCode {
+    match Call::read(std::env::args().skip(1)).and_then(|call| carry_out(&call)) {
+        Ok(0) => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Tries all changes and prints what came out; gives how many survive without a reason.
+fn carry_out(call: &Call) -> Result<usize, String> {
+    let known = call.survivors.as_ref().map_or(Ok(String::new()), |file| said(file, fs::read_to_string(file)))?;
+    let work = call.root.join("target/mutants");
+    let mutants = match &call.list {
+        None => list_all(call, &work.join("list"))?,
+        Some(file) => list::read_all(&said(file, fs::read(file))?, &call.places)?,
+    };
+    let empty = |place: &&String| !mutants.iter().any(|mutant| is_in(&mutant.file, place));
+    if let Some(place) = call.places.iter().find(empty) {
+        return Err(format!("there is nothing to change in {place}"));
+    }
+    let tree = work.join("tree");
+    let mut written: HashSet<PathBuf> = mutants.iter().map(|mutant| PathBuf::from(&mutant.file)).collect();
+    written.extend(["src/lib.rs".into(), "src/mutant_switch.rs".into()]);
+    said(&tree, tree::copy(&call.root, &tree, &written))?;
+    let refused_file = work.join("refused.txt");
+    let refused = fs::read_to_string(&refused_file).unwrap_or_default().lines().map(String::from).collect();
+    let built = compile::compile(&call.root, &tree, &mutants, &call.cargo, &refused)?;
+    let name = |number: &u32| mutants[*number as usize - 1].name.clone();
+    let names: HashSet<String> = refused.into_iter().chain(built.refused.iter().map(name)).collect();
+    let mut names: Vec<String> = names.into_iter().collect();
+    names.sort();
+    said(&refused_file, fs::write(&refused_file, names.join("\n")))?;
+    let tests = trial::record(&tree, &built.programs, call.limits);
+    let mut numbers: Vec<u32> = built.placed.iter().copied().collect();
+    numbers.sort_unstable();
+    eprintln!("{} tests pass; {} changes are to be tried", tests.len(), numbers.len());
+    let fates = trial::try_all(&tree, &tests, &numbers, call.limits);
+    let tried: Vec<Tried> = (1..).zip(&mutants).map(|(number, mutant)| (mutant, fates.get(&number).cloned())).collect();
+    let (text, new) = survivors(&tried, &mut Known::read(&known));
+    println!("{text}\n{}", table(&tried));
+    let lines = tried.iter().map(|(mutant, fate)| format!("{fate:?}\t{}\n", mutant.name));
+    let log = work.join("tried.txt");
+    said(&log, fs::write(&log, lines.collect::<String>()))?;
+    Ok(new)
+}
+
+/// Lists the changes in a copy in which files that only a macro declares are declared.
+fn list_all(call: &Call, copy: &Path) -> Result<Vec<Mutant>, String> {
+    said(copy, tree::copy(&call.root, copy, &HashSet::new()))?;
+    for place in &call.places {
+        let room = place.trim_start_matches("src/").split('/').next().unwrap_or_default();
+        let file = copy.join(format!("src/{room}.rs"));
+        if file.is_file() {
+            let lines = said(&file, tree::undeclared(&call.root, room))?;
+            let text = said(&file, fs::read_to_string(call.root.join(format!("src/{room}.rs"))))?;
+            said(&file, fs::write(&file, text + &lines))?;
+        }
+    }
+    list::list(copy, &call.places)
+}
+
+fn said<T>(path: &Path, result: std::io::Result<T>) -> Result<T, String> {
+    result.map_err(|error| format!("{}: {error}", path.display()))
+}
