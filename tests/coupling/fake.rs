@@ -116,6 +116,8 @@ pub struct Fake {
     pub lost_in: Option<u64>,
     /// From here on every lane is called `ahead_0`, and has another limit [m, m/s].
     pub ahead: Option<(f64, f64)>,
+    /// Between these places a car is on no lane [m].
+    pub nowhere: Option<(f64, f64)>,
     /// Cars drive the whole step at the speed of its end.
     pub euler: bool,
     /// Questions that were asked, and those that were answered, one by one.
@@ -342,7 +344,7 @@ impl Sumo for Fake {
         let count = asked.len();
         for (id, question) in asked.drain(..) {
             // A vehicle has not the name of a lane here.
-            self.lanes_asked += usize::from([AHEAD, BEHIND].contains(&&*id));
+            self.lanes_asked += usize::from([AHEAD, BEHIND, ""].contains(&&*id));
             let driver = self.road.get(&*id);
             let mut values = Values { id: &id, driver, world: self, gone: false };
             let answer = question.answer(&mut values);
@@ -391,6 +393,7 @@ impl<'a> Gets<'a> for Values<'a> {
             Domain::Lane if variable == lane::FRICTION.id => {
                 Some(Value::Double(if self.id == AHEAD { 2.0 * FRICTION } else { FRICTION }))
             }
+            Domain::Vehicle if variable == vehicle::LANE.id && self.is_nowhere() => Some(Value::Text("")),
             Domain::Vehicle if variable == vehicle::LANE.id && self.is_ahead() => Some(Value::Text(AHEAD)),
             Domain::Vehicle if variable == vehicle::ROAD.id && self.is_ahead() => Some(Value::Text("ahead")),
             Domain::Vehicle if variable == vehicle::STOP_STATE.id => {
@@ -413,6 +416,11 @@ impl<'a> Gets<'a> for Values<'a> {
 }
 
 impl<'a> Values<'a> {
+    fn is_nowhere(&self) -> bool {
+        let (driver, nowhere) = (self.driver, self.world.nowhere);
+        driver.zip(nowhere).is_some_and(|(driver, (from_m, to_m))| (from_m..to_m).contains(&driver.car.position_m))
+    }
+
     fn is_ahead(&self) -> bool {
         self.driver.is_some_and(|driver| !driver.carried && self.world.is_ahead(&driver.car))
     }

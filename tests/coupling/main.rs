@@ -106,6 +106,7 @@ fn sumo_is_told_what_the_body_drives() {
 fn who_arrives_in_the_step_of_its_departure_has_no_record() {
     let mut world = world(Fake::new([Car { arrives_at_m: 0.0, ..Car::new("a", 0, 2) }]), &[]);
     step(&mut world, 10);
+    assert_eq!(world.sumo_mut().asked, 0, "nobody asks about it");
     let records = end(world);
     assert!(records.finished.is_empty());
     assert_eq!((records.counters.departed, records.counters.arrived), (1, 1));

@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 use serde_json::Value;
 
 use crate::list::Mutant;
+use crate::refused::Refused;
 use crate::rewrite::{marks, rewrite};
 use crate::tree::write_new;
 
@@ -17,12 +18,10 @@ pub struct Built {
     pub programs: Vec<(String, PathBuf)>,
     /// Numbers of the changes that are in the programs.
     pub placed: HashSet<u32>,
-    /// Numbers of those that the compiler has refused.
-    pub refused: BTreeSet<u32>,
 }
 
 /// Rewrites the files of `mutants` from `root` to `tree` and builds the tests there with `cargo test --no-run ARGUMENTS`, again
-/// and again until all that is left compiles. Names in `refused_before` are not tried again.
+/// and again until all that is left compiles; what does not is added to `refused`.
 ///
 /// # Errors
 /// When the build fails for another reason than a change.
@@ -31,30 +30,27 @@ pub fn compile(
     tree: &Path,
     mutants: &[Mutant],
     arguments: &[String],
-    refused_before: &HashSet<String>,
+    refused: &mut Refused,
 ) -> Result<Built, String> {
-    let numbered = || (1..).zip(mutants);
-    let mut refused: BTreeSet<u32> =
-        numbered().filter(|(_, mutant)| refused_before.contains(&mutant.name)).map(|(number, _)| number).collect();
     loop {
-        let placed = place(root, tree, mutants, &refused)?;
+        let placed = place(root, tree, mutants, &refused.numbers)?;
         let messages = build(tree, arguments)?;
         let errors: Vec<&Value> =
             messages.iter().map(|line| &line["message"]).filter(|message| message["level"] == "error").collect();
-        let found: BTreeSet<u32> = errors.iter().flat_map(|message| blamed(tree, message)).collect();
-        eprintln!("{} changes in the code, {} refused so far, {} more now", placed.len(), refused.len(), found.len());
         if errors.is_empty() {
             let programs: Vec<_> = messages.iter().filter_map(program).collect();
             if programs.is_empty() {
                 return Err("cargo has built no test: see above".into());
             }
-            return Ok(Built { programs, placed, refused });
+            return Ok(Built { programs, placed });
         }
+        let found: BTreeSet<u32> = errors.iter().flat_map(|message| blamed(tree, message)).collect();
         if found.is_empty() {
             let said: Vec<&str> = errors.iter().filter_map(|message| message["rendered"].as_str()).collect();
             return Err(format!("no change is to blame for this:\n{}", said.join("\n")));
         }
-        refused.extend(found);
+        eprintln!("{} of {} changes do not compile: once more without them", found.len(), placed.len());
+        refused.extend(found).map_err(|error| format!("the list of what is refused: {error}"))?;
     }
 }
 

@@ -33,7 +33,7 @@ impl Mutant {
     }
 }
 
-/// Lists the changes of all files of `crate_root` whose path begins with one of `places` (`src/cosim`, ...).
+/// Lists the changes of all files of `crate_root` in `places` (`src/cosim`, ...), place by place.
 ///
 /// # Errors
 /// When cargo-mutants is missing, or its list is not understood.
@@ -60,8 +60,9 @@ pub fn read_all(listed: &[u8], places: &[String]) -> Result<Vec<Mutant>, String>
         serde_json::from_slice(listed).map_err(|error| format!("the list of cargo-mutants: {error}"))?;
     let mutants = all.iter().map(|entry| read(entry).ok_or_else(|| format!("cargo-mutants lists {entry}")));
     let mut mutants = mutants.collect::<Result<Vec<Mutant>, String>>()?;
-    mutants.sort_by(|one, other| one.file.cmp(&other.file).then(one.line.cmp(&other.line)));
     mutants.retain(|mutant| places.iter().any(|place| is_in(&mutant.file, place)));
+    let place = |mutant: &Mutant| places.iter().position(|place| is_in(&mutant.file, place));
+    mutants.sort_by_key(|mutant| (place(mutant), mutant.file.clone(), mutant.line));
     Ok(mutants)
 }
 

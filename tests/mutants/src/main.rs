@@ -13,6 +13,7 @@
 mod compile;
 mod list;
 mod outcome;
+mod refused;
 mod rewrite;
 mod sites;
 mod tree;
@@ -20,13 +21,16 @@ mod trial;
 
 use std::collections::HashSet;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Mutex;
 use std::time::Duration;
 
 use list::{Mutant, is_in};
 use outcome::{Known, Tried, survivors, table};
-use trial::Limits;
+use refused::Refused;
+use trial::{Fate, Limits};
 
 struct Call {
     root: PathBuf,
@@ -39,7 +43,7 @@ struct Call {
 
 impl Call {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
-        let limits = Limits { test: Duration::from_secs(40), mutant: Duration::from_secs(60) };
+        let limits = Limits { test: Duration::from_secs(40), mutant: Duration::from_secs(20) };
         let mut call =
             Self { root: ".".into(), survivors: None, list: None, limits, places: Vec::new(), cargo: Vec::new() };
         while let Some(word) = words.next() {
@@ -89,24 +93,28 @@ fn carry_out(call: &Call) -> Result<usize, String> {
     let mut written: HashSet<PathBuf> = mutants.iter().map(|mutant| PathBuf::from(&mutant.file)).collect();
     written.extend(["src/lib.rs".into(), "src/mutant_switch.rs".into()]);
     said(&tree, tree::copy(&call.root, &tree, &written))?;
-    let refused_file = work.join("refused.txt");
-    let refused = fs::read_to_string(&refused_file).unwrap_or_default().lines().map(String::from).collect();
-    let built = compile::compile(&call.root, &tree, &mutants, &call.cargo, &refused)?;
-    let name = |number: &u32| mutants[*number as usize - 1].name.clone();
-    let names: HashSet<String> = refused.into_iter().chain(built.refused.iter().map(name)).collect();
-    let mut names: Vec<String> = names.into_iter().collect();
-    names.sort();
-    said(&refused_file, fs::write(&refused_file, names.join("\n")))?;
+    let file = work.join("refused.txt");
+    let mut refused = said(&file, Refused::read(file.clone(), &call.root, &mutants))?;
+    let built = compile::compile(&call.root, &tree, &mutants, &call.cargo, &mut refused)?;
     let tests = trial::record(&tree, &built.programs, call.limits);
     let mut numbers: Vec<u32> = built.placed.iter().copied().collect();
     numbers.sort_unstable();
     eprintln!("{} tests pass; {} changes are to be tried", tests.len(), numbers.len());
-    let fates = trial::try_all(&tree, &tests, &numbers, call.limits);
+    let log = work.join("tried.txt");
+    let file = Mutex::new(said(&log, fs::File::create(&log))?);
+    let line = |number: u32, fate: &Fate| format!("{fate}\t{}\n", mutants[number as usize - 1].name);
+    let note = |number: u32, fate: &Fate| {
+        // Only for those who want to look while it runs.
+        let _ = file.lock().map(|mut file| file.write_all(line(number, fate).as_bytes()));
+    };
+    let fates = trial::try_all(&tree, &tests, &numbers, call.limits, note);
     let tried: Vec<Tried> = (1..).zip(&mutants).map(|(number, mutant)| (mutant, fates.get(&number).cloned())).collect();
     let (text, new) = survivors(&tried, &mut Known::read(&known));
     println!("{text}\n{}", table(&tried));
-    let lines = tried.iter().map(|(mutant, fate)| format!("{fate:?}\t{}\n", mutant.name));
-    let log = work.join("tried.txt");
+    let lines = tried.iter().map(|(mutant, fate)| match fate {
+        Some(fate) => format!("{fate}\t{}\n", mutant.name),
+        None => format!("not tried\t{}\n", mutant.name),
+    });
     said(&log, fs::write(&log, lines.collect::<String>()))?;
     Ok(new)
 }

@@ -70,11 +70,7 @@ pub fn table(tried: &[Tried]) -> String {
 pub fn survivors(tried: &[Tried], known: &mut Known) -> (String, usize) {
     let (mut explained, mut new) = (String::new(), Vec::new());
     for (mutant, fate) in tried {
-        let survives = match fate {
-            Some(Fate::Survived) => "survived",
-            Some(Fate::Unreached) => "reached by no test",
-            _ => continue,
-        };
+        let Some(survives @ (Fate::Survived | Fate::Unreached)) = fate else { continue };
         match known.take(&mutant.short_name()) {
             Some(reason) => writeln!(explained, "{}\n    {survives}; {reason}", mutant.name).unwrap(),
             None => new.push(format!("{}\n    {survives}", mutant.name)),

@@ -32,6 +32,16 @@ pub enum Fate {
     Unreached,
 }
 
+impl std::fmt::Display for Fate {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Caught(test) => write!(f, "caught by {test}"),
+            Self::Survived => f.write_str("survived"),
+            Self::Unreached => f.write_str("reached by no test"),
+        }
+    }
+}
+
 /// How much is tried.
 #[derive(Clone, Copy)]
 pub struct Limits {
@@ -83,11 +93,19 @@ pub fn record(tree: &Path, programs: &[(String, PathBuf)], limits: Limits) -> Ve
 }
 
 /// Tries the changes `numbers`, each with the tests that come across it, the quickest first.
-pub fn try_all(tree: &Path, tests: &[Test], numbers: &[u32], limits: Limits) -> HashMap<u32, Fate> {
+/// `note` hears of each as soon as it is known.
+pub fn try_all(
+    tree: &Path,
+    tests: &[Test],
+    numbers: &[u32],
+    limits: Limits,
+    note: impl Fn(u32, &Fate) + Sync,
+) -> HashMap<u32, Fate> {
     let told = Mutex::new(Instant::now());
     let done = AtomicUsize::new(0);
     let fates = on_all_cores(numbers.len(), |index| {
         let fate = try_one(tree, tests, numbers[index], limits);
+        note(numbers[index], &fate);
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
         let mut told = told.lock().unwrap();
         if told.elapsed() > Duration::from_secs(60) {
