@@ -5,10 +5,13 @@
 //! is built once, and a number in the environment says which change is in force. Every test is run once to see which
 //! changes it comes across; then every change is tried with the tests that do, the quickest first, until one fails.
 //!
-//! `sumo-mfc-mutants [--root DIR] [--survivors FILE] [--list FILE] [--test-s SECONDS] [--mutant-s SECONDS] PLACE... -- ARGUMENTS`
-//! tries what is in PLACEs such as `src/cosim` with the tests that `cargo test ARGUMENTS` builds. It ends with 1 when a
-//! change survives that the file of survivors has no reason for. With `--list` it reads what `cargo mutants --list --json`
-//! has printed before.
+//! `sumo-mfc-mutants [OPTIONS] PLACE... -- ARGUMENTS` tries what is in PLACEs such as `src/cosim`, one after the other, with
+//! the tests that `cargo test ARGUMENTS` builds. Its options:
+//! - `--root DIR`: the crate; without it the working directory.
+//! - `--survivors FILE`: the survivors whose reasons are known. It ends with 1 when another one survives.
+//! - `--list FILE`: what `cargo mutants --list --json` has printed before.
+//! - `--test-s SECONDS`: tests that take longer are left out. `--mutant-s SECONDS`: no further test is begun for a change
+//!   behind this time. `--jobs N`: tests at a time.
 
 mod compile;
 mod list;
@@ -19,7 +22,7 @@ mod sites;
 mod tree;
 mod trial;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -43,7 +46,8 @@ struct Call {
 
 impl Call {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
-        let limits = Limits { test: Duration::from_secs(40), mutant: Duration::from_secs(20) };
+        let jobs = std::thread::available_parallelism().map_or(1, usize::from);
+        let limits = Limits { test: Duration::from_secs(40), mutant: Duration::from_secs(20), jobs };
         let mut call =
             Self { root: ".".into(), survivors: None, list: None, limits, places: Vec::new(), cargo: Vec::new() };
         while let Some(word) = words.next() {
@@ -55,6 +59,7 @@ impl Call {
                 "--survivors" => call.survivors = Some(value()?.into()),
                 "--list" => call.list = Some(value()?.into()),
                 "--test-s" => call.limits.test = seconds(value()?)?,
+                "--jobs" => call.limits.jobs = value()?.parse().map_err(|error| format!("--jobs: {error}"))?,
                 "--mutant-s" => call.limits.mutant = seconds(value()?)?,
                 "--" => call.cargo = words.by_ref().collect(),
                 _ if word.starts_with('-') => return Err(format!("{word} is not an option")),
@@ -89,34 +94,48 @@ fn carry_out(call: &Call) -> Result<usize, String> {
     if let Some(place) = call.places.iter().find(empty) {
         return Err(format!("there is nothing to change in {place}"));
     }
+    let mut tried: Vec<Tried> = Vec::new();
+    let mut text = String::new();
+    for of_place in mutants.chunk_by(|one, other| place_of(call, one) == place_of(call, other)) {
+        let fates = try_place(call, &work, of_place)?;
+        for (mutant, number) in of_place.iter().zip(1..) {
+            let fate = fates.get(&number).cloned();
+            text += &format!("{}\t{}\n", fate.as_ref().map_or("not tried".into(), Fate::to_string), mutant.name);
+            tried.push((mutant, fate));
+        }
+        let log = work.join("tried.txt");
+        said(&log, fs::write(&log, &text))?;
+    }
+    let (text, new) = survivors(&tried, &mut Known::read(&known));
+    println!("{text}\n{}", table(&tried));
+    Ok(new)
+}
+
+fn place_of(call: &Call, mutant: &Mutant) -> Option<usize> {
+    call.places.iter().position(|place| is_in(&mutant.file, place))
+}
+
+/// Tries the changes of one place: all else is as it stands, and as fast. Numbers count from the first one of the place.
+fn try_place(call: &Call, work: &Path, mutants: &[Mutant]) -> Result<HashMap<u32, Fate>, String> {
     let tree = work.join("tree");
     let mut written: HashSet<PathBuf> = mutants.iter().map(|mutant| PathBuf::from(&mutant.file)).collect();
     written.extend(["src/lib.rs".into(), "src/mutant_switch.rs".into()]);
     said(&tree, tree::copy(&call.root, &tree, &written))?;
     let file = work.join("refused.txt");
-    let mut refused = said(&file, Refused::read(file.clone(), &call.root, &mutants))?;
-    let built = compile::compile(&call.root, &tree, &mutants, &call.cargo, &mut refused)?;
+    let mut refused = said(&file, Refused::read(file.clone(), &call.root, mutants))?;
+    let built = compile::compile(&call.root, &tree, mutants, &call.cargo, &mut refused)?;
     let tests = trial::record(&tree, &built.programs, call.limits);
     let mut numbers: Vec<u32> = built.placed.iter().copied().collect();
     numbers.sort_unstable();
     eprintln!("{} tests pass; {} changes are to be tried", tests.len(), numbers.len());
-    let log = work.join("tried.txt");
+    let log = work.join("trying.txt");
     let file = Mutex::new(said(&log, fs::File::create(&log))?);
-    let line = |number: u32, fate: &Fate| format!("{fate}\t{}\n", mutants[number as usize - 1].name);
     let note = |number: u32, fate: &Fate| {
         // Only for those who want to look while it runs.
-        let _ = file.lock().map(|mut file| file.write_all(line(number, fate).as_bytes()));
+        let line = format!("{fate}\t{}\n", mutants[number as usize - 1].name);
+        let _ = file.lock().map(|mut file| file.write_all(line.as_bytes()));
     };
-    let fates = trial::try_all(&tree, &tests, &numbers, call.limits, note);
-    let tried: Vec<Tried> = (1..).zip(&mutants).map(|(number, mutant)| (mutant, fates.get(&number).cloned())).collect();
-    let (text, new) = survivors(&tried, &mut Known::read(&known));
-    println!("{text}\n{}", table(&tried));
-    let lines = tried.iter().map(|(mutant, fate)| match fate {
-        Some(fate) => format!("{fate}\t{}\n", mutant.name),
-        None => format!("not tried\t{}\n", mutant.name),
-    });
-    said(&log, fs::write(&log, lines.collect::<String>()))?;
-    Ok(new)
+    Ok(trial::try_all(&tree, &tests, &numbers, call.limits, note))
 }
 
 /// Lists the changes in a copy in which files that only a macro declares are declared.

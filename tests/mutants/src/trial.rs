@@ -49,6 +49,8 @@ pub struct Limits {
     pub test: Duration,
     /// No further test is begun for a change behind this time.
     pub mutant: Duration,
+    /// Tests at a time.
+    pub jobs: usize,
 }
 
 /// Tests below this time run several in one process.
@@ -67,7 +69,7 @@ pub fn record(tree: &Path, programs: &[(String, PathBuf)], limits: Limits) -> Ve
             tests.map(|test| (name.clone(), program.clone(), test)).collect::<Vec<_>>()
         })
         .collect();
-    let done = on_all_cores(listed.len(), |index| {
+    let done = at_a_time(limits.jobs, listed.len(), |index| {
         let (name, program, filter) = &listed[index];
         let log = tree.join(format!("target/reached-{index}"));
         let _ = fs::remove_file(&log);
@@ -103,7 +105,7 @@ pub fn try_all(
 ) -> HashMap<u32, Fate> {
     let told = Mutex::new(Instant::now());
     let done = AtomicUsize::new(0);
-    let fates = on_all_cores(numbers.len(), |index| {
+    let fates = at_a_time(limits.jobs, numbers.len(), |index| {
         let fate = try_one(tree, tests, numbers[index], limits);
         note(numbers[index], &fate);
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
@@ -178,10 +180,9 @@ fn run(tree: &Path, program: &Path, filters: &[&str], setting: (&str, &str), tim
     false
 }
 
-/// Calls `work` for 0 .. `count` on as many threads as there are cores; answers in order.
-fn on_all_cores<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+/// Calls `work` for 0 .. `count` on so many threads; answers in order.
+fn at_a_time<T: Send>(jobs: usize, count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
-    let cores = thread::available_parallelism().map_or(1, usize::from);
     let worker = || {
         let mut done = Vec::new();
         loop {
@@ -193,7 +194,7 @@ fn on_all_cores<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<
         }
     };
     let mut all: Vec<(usize, T)> = thread::scope(|scope| {
-        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(worker)).collect();
+        let workers: Vec<_> = (0..jobs.max(1)).map(|_| scope.spawn(worker)).collect();
         workers.into_iter().flat_map(|worker| worker.join().expect("a worker has panicked")).collect()
     });
     all.sort_by_key(|(index, _)| *index);
