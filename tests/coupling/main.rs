@@ -476,6 +476,17 @@ fn nothing_is_shown_that_nobody_asked_for() {
 }
 
 #[test]
+fn signals_and_colours_are_shown_without_each_other() {
+    let shows = |set: &str| {
+        let mut world = world(Fake::new([Car::new("a", 0, 1)]), &[set]);
+        step(&mut world, 50);
+        let (colours, parameters) = shown(&mut world, "a");
+        [!colours.is_empty(), !parameters.is_empty()]
+    };
+    assert_eq!((shows("sumo.fcd=true"), shows("sumo.gui=true")), ([false, true], [true, false]));
+}
+
+#[test]
 fn places_are_asked_of_those_that_are_followed_and_on_the_road() {
     let carried = Car { teleport: Some((40, 50)), ..Car::new("b", 1, 1) };
     let mut world = world(Fake::new([Car::new("a", 0, 1), carried, Car::new("c", 2, 1)]), &[]);
