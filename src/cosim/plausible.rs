@@ -227,6 +227,7 @@ mod tests {
         assert_eq!(ended(&driven([[ERROR_MPS, 0.0, 50.0], [-ERROR_MPS, 0.0, 50.0]]), false, 5000.0, 0.0), [""; 0]);
         assert_eq!(ended(&Watch::default(), false, 50_000.0, 0.5 * GAP_M), [""; 0], "twice that in \"b\"");
         assert_eq!(ended(&Watch::default(), false, 900.0, 0.5 * SHORT_GAP.0), [""; 0]);
+        assert_eq!(ended(&Watch::default(), false, 2000.0, 100.0), [""; 0], "a tenth in \"b\"");
         let weak = driven((0..30).map(|_| [0.0, -BRAKING_MPS2, 14.0]));
         assert_eq!(ended(&weak, false, 1000.0, 0.0).len(), 1, "at least this hard");
         let slow = driven((0..30).map(|_| [0.0, -4.5, MOVING_MPS]));

@@ -116,6 +116,8 @@ pub struct Fake {
     pub lost_in: Option<u64>,
     /// From here on every lane is called `ahead_0`, and has another limit [m, m/s].
     pub ahead: Option<(f64, f64)>,
+    /// The time at which we come [s].
+    pub begins_s: f64,
     /// Between these places a car is on no lane [m].
     pub nowhere: Option<(f64, f64)>,
     /// Cars drive the whole step at the speed of its end.
@@ -246,7 +248,7 @@ impl Sumo for Fake {
     async fn join(&mut self) -> Result<Joined, CosimError> {
         let mut present = self.depart();
         present.retain(|id| !self.road[id].carried);
-        Ok(Joined { step_s: STEP_S, time_s: 0.0, expected: 1, present, tells_mass: true })
+        Ok(Joined { step_s: STEP_S, time_s: self.begins_s, expected: 1, present, tells_mass: true })
     }
 
     async fn option(&mut self, _: &str) -> Result<Option<String>, CosimError> {
@@ -291,7 +293,8 @@ impl Sumo for Fake {
         self.drive();
         self.road.retain(|_, driver| driver.car.removed != Some(step));
         let departed = self.depart();
-        let mut events = Events { time_s: step as f64 * STEP_S, expected: 1, departed, ..Events::default() };
+        let mut events =
+            Events { time_s: self.begins_s + step as f64 * STEP_S, expected: 1, departed, ..Events::default() };
         for (id, driver) in &mut self.road {
             if let Some((begins, ends)) = driver.car.teleport {
                 if begins == step && !driver.car.silently {

@@ -1,6 +1,6 @@
 //! What a caller orders for single vehicles between the steps.
 
-use super::{Fake, end, now, record, speed_mps, step, world};
+use super::{Fake, end, now, speed_mps, step, world};
 use crate::fake::{Car, LIMIT_MPS};
 use sumo_mfc::cosim::{OrderError, Tell, World};
 
@@ -55,18 +55,6 @@ fn a_leading_body_has_the_ordered_speed_as_its_reference() {
         step(&mut world, 1500);
         assert!(speed_mps(&world, "a") < 4.0, "behind the slow car: {sets:?}: {}", speed_mps(&world, "a"));
     }
-}
-
-/// Where the order is what SUMO allows, it is the order that the body drives.
-#[test]
-fn an_order_to_stand_is_an_order_also_where_sumo_holds_the_car() {
-    let stop = Car { position_m: 8.0, speed_max_mps: 0.0, type_id: "bicycle".to_owned(), ..Car::new("stop", 0, 0) };
-    let mut world = world(Fake::new([Car::new("a", 0, 0), stop]), &["target.name=limit"]);
-    step(&mut world, 300);
-    reference(&mut world, "a", Some(0.0));
-    step(&mut world, 300);
-    let stats = record(&end(world), "a").stats;
-    assert!(stats.share_profile.unwrap() > 0.45 && stats.share_clamp.unwrap() > 0.3, "{stats:?}");
 }
 
 /// The torque acts on the wheels, not on the law: it shows in the error, and in what the law answers.

@@ -47,7 +47,7 @@ struct Call {
 impl Call {
     fn read(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
         let jobs = std::thread::available_parallelism().map_or(1, usize::from);
-        let limits = Limits { test: Duration::from_secs(40), mutant: Duration::from_secs(20), jobs };
+        let limits = Limits { test: Duration::from_secs(120), mutant: Duration::from_secs(60), jobs };
         let mut call =
             Self { root: ".".into(), survivors: None, list: None, limits, places: Vec::new(), cargo: Vec::new() };
         while let Some(word) = words.next() {
