@@ -1,7 +1,7 @@
 # make demo: from a fresh clone to a table. make test: everything that is checked. Both install what they need below .sumo/.
 SHELL := /bin/bash
 .DEFAULT_GOAL := help
-.PHONY: help demo dist wheel test bytes matrix tuning chaos day fuzz mutants bench book setup setup-test clean
+.PHONY: help demo dist wheel test bytes matrix tuning chaos day fuzz mutants coverage bench book setup setup-test clean
 
 controllers ?= ideal,classic,adaptive,calibrating,pid
 seeds ?= 1..3
@@ -11,8 +11,8 @@ chaos_seed ?= 1
 chaos_n ?= 320
 fuzz_cases ?= 1000000
 fuzz_seed ?= 1
-room ?= stats
-shard ?= 0/1
+room ?= plant control traci cosim stats
+mutants_tests := coupling plant slots group_law same_bits commonroad traci_wire traci self_check live
 
 help: ## Show this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' | expand -t 20
@@ -88,10 +88,15 @@ day: setup-test ## A day of simulated time with 200 vehicles on the road: memory
 fuzz: ## Changed files against everything that reads them; fuzz_cases=10000000 takes a night, fuzz_seed=2 makes other cases
 	SUMO_MFC_FUZZ_CASES=$(fuzz_cases) SUMO_MFC_FUZZ_SEED=$(fuzz_seed) cargo test --release --locked --test fuzz -- --nocapture
 
-mutants: ## Change room=stats (plant, control, traci, cosim) in every small way, list what no test notices (hours; shard=0/8: every eighth)
-	.ci/with-sumo cargo mutants --sharding round-robin --shard $(shard) -o target \
-	  -f 'src/$(room)/**' -f src/$(room).rs --profile mutants --no-default-features --features sim --timeout 120 \
-	  -C=--locked -C=--lib $(foreach test,coupling plant slots group_law traci_wire,-C=--test=$(test))
+mutants: setup-test ## Change the code in every small way, or room=cosim alone, and list what no test notices (two hours)
+	@cargo mutants --version >/dev/null 2>&1 || { echo "cargo-mutants is missing, which lists the changes: cargo install cargo-mutants" >&2; exit 1; }
+	cargo build --release --locked --manifest-path tests/mutants/Cargo.toml --target-dir target/mutants-tool
+	.ci/with-sumo target/mutants-tool/release/sumo-mfc-mutants --survivors tests/mutants/survivors.txt $(addprefix src/,$(room)) -- \
+	  --locked --profile mutants --lib $(foreach test,$(mutants_tests),--test $(test)) \
+	  $$(command -v g++ >/dev/null && echo --features libsumo --test libsumo)
+
+coverage: setup-test ## Lines and functions that tests reach, by room, with cargo-llvm-cov (half an hour)
+	@.ci/with-sumo .ci/coverage
 
 bench: setup-test ## The benchmarks, one line per figure: whole processes, then parts, at last up to 20 000 cars (an hour and a half)
 	.ci/with-sumo cargo bench --locked --bench whole $$(command -v g++ >/dev/null && echo --features libsumo)

@@ -152,14 +152,19 @@ mod tests {
     use crate::plant::BODIES;
     use crate::scenario::{Catalog, Override, Request, Scenario, parameter_keys};
 
-    /// Mass over the preset's, and over what the law believes, of the vehicle `id` with a parameter `mfc.mass_factor`.
-    fn masses(class: &str, id: &str, own: Option<&str>, sets: &[&str]) -> [f64; 2] {
+    /// The vehicle `id`, perhaps with a parameter of its own (key without `mfc.`, text), and its usual mass \[kg\].
+    fn built(class: &str, id: &str, own: Option<(&str, &str)>, sets: &[&str]) -> (VehicleSetup, f64) {
         let overrides = sets.iter().map(|set| Override::set(set).unwrap()).collect();
         let scenario = Scenario::load_offline(&Request { scenario: None, overrides }, &Catalog::installed()).unwrap();
-        let key = parameter_keys().find(|key| key.name == "mass_factor").unwrap();
-        let own: Vec<_> = own.map(|text| (key, text.to_owned())).into_iter().collect();
+        let key = |name| parameter_keys().find(|key| key.name == name).unwrap();
+        let own: Vec<_> = own.map(|(name, text)| (key(name), text.to_owned())).into_iter().collect();
         let facts = TypeFacts { class: class.to_owned(), ..TypeFacts::default() };
-        let (setup, usual_kg) = vehicle(id, &facts, &own, &scenario.groups[0], None, 1, 0.0).unwrap();
+        vehicle(id, &facts, &own, &scenario.groups[0], None, 1, 0.0).unwrap()
+    }
+
+    /// Mass over the preset's, and over what the law believes, of the vehicle `id` with a parameter `mfc.mass_factor`.
+    fn masses(class: &str, id: &str, own: Option<&str>, sets: &[&str]) -> [f64; 2] {
+        let (setup, usual_kg) = built(class, id, own.map(|text| ("mass_factor", text)), sets);
         let believed_kg = setup.nominal_nm_per_mps2 / setup.body.wheel_radius_m;
         [setup.body.mass_kg / usual_kg, setup.body.mass_kg / believed_kg]
     }
@@ -184,6 +189,13 @@ mod tests {
         assert!((mass - 1.5).abs() < 1e-12 && (believed - 1.25).abs() < 1e-12, "{mass} {believed}");
         let [mass, believed] = masses("truck", "v", None, &["vehicle.mass_factor=1.2"]);
         assert!((mass - 1.2).abs() < 1e-12 && (believed - 1.0).abs() < 1e-12, "{mass} {believed}");
+    }
+
+    /// A share of nothing is nothing, not 0/0.
+    #[test]
+    fn a_group_without_torque_stays_without_whatever_its_vehicles_say() {
+        let (setup, _) = built("truck", "v", Some(("torque_factor", "0.5")), &["vehicle.torque_factor=0"]);
+        assert_eq!((setup.body.drive_torque_max_nm, setup.body.brake_torque_max_nm), (0.0, 0.0));
     }
 
     #[test]
@@ -228,6 +240,8 @@ mod tests {
         let mut unknown = before.clone();
         scale(&mut unknown, &TypeFacts::default());
         assert_eq!(unknown, before, "without a length or a mass it stays as it is");
+        scale(&mut unknown, &TypeFacts { mass_kg: Some(0.0), ..TypeFacts::default() });
+        assert_eq!(unknown, before, "a mass of 0 is none");
     }
 
     #[test]

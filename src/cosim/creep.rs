@@ -57,7 +57,7 @@ mod tests {
 
     #[test]
     fn who_stands_or_gets_on_does_not() {
-        assert!(!crept(3600, |_| 0.0));
+        assert!(!crept(3600, |_| 0.0) && !crept(3600, |_| STANDS_MPS));
         assert!(!crept(3600, |step| if step % 400 < 395 { 0.5 } else { 3.0 }), "a queue that moves up");
     }
 }

@@ -215,6 +215,14 @@ mod tests {
     }
 
     #[test]
+    fn sumo_has_clamped_what_is_slower_than_told_by_more_than_rounding() {
+        let mut leader = leader(60.0);
+        leader.command_mps = 10.0;
+        assert!(!leader.see_speed(10.0 - CLAMP_MPS) && leader.clamp_mps.is_none());
+        assert!(leader.see_speed(10.0 - 1.1 * CLAMP_MPS) && leader.clamp_mps == Some(10.0 - 1.1 * CLAMP_MPS));
+    }
+
+    #[test]
     fn the_gap_to_another_vehicle_has_no_rate() {
         let mut leader = leader(60.0);
         let mut rate_mps = |ahead: Option<(&str, f64)>| {

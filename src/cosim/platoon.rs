@@ -207,6 +207,19 @@ mod tests {
         assert!((gain_of([6e-7, 5e-7]) - 1.2).abs() < 1e-6, "{}", gain_of([6e-7, 5e-7]));
     }
 
+    /// A step that is as long as the shortest episode, less what rounding takes.
+    #[test]
+    fn an_episode_of_the_shortest_length_counts() {
+        let followed = |step_s: f64| {
+            let mut follower = Follower::default();
+            follower.see(Some((&"a".into(), Slot::default())));
+            follower.note([10.0, 10.0], step_s);
+            follower.gain().following_time
+        };
+        let shortest_s = SHORTEST_S - 1e-6;
+        assert_eq!((followed(shortest_s), followed(shortest_s - 1e-9)), (Some(shortest_s), None));
+    }
+
     #[test]
     fn who_follows_nobody_or_somebody_steady_has_no_gain() {
         assert_eq!(Follower::default().gain(), StringGain::default());

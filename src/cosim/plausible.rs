@@ -227,8 +227,17 @@ mod tests {
         assert_eq!(ended(&driven([[ERROR_MPS, 0.0, 50.0], [-ERROR_MPS, 0.0, 50.0]]), false, 5000.0, 0.0), [""; 0]);
         assert_eq!(ended(&Watch::default(), false, 50_000.0, 0.5 * GAP_M), [""; 0], "twice that in \"b\"");
         assert_eq!(ended(&Watch::default(), false, 900.0, 0.5 * SHORT_GAP.0), [""; 0]);
+        assert_eq!(ended(&Watch::default(), false, 2000.0, 100.0), [""; 0], "a tenth in \"b\"");
         let weak = driven((0..30).map(|_| [0.0, -BRAKING_MPS2, 14.0]));
         assert_eq!(ended(&weak, false, 1000.0, 0.0).len(), 1, "at least this hard");
+        let slow = driven((0..30).map(|_| [0.0, -4.5, MOVING_MPS]));
+        assert_eq!(ended(&slow, false, 1000.0, 0.0).len(), 1, "not slower than that");
+        // In the fifth second it has lost the share, or less.
+        let lost_at_last =
+            |lost_mps: f64| driven((0..5).map(|k| [0.0, -4.5, if k < 4 { 14.0 } else { 14.0 - lost_mps }]));
+        let share_mps = LOST_SHARE * BRAKING_MPS2 * 5.0;
+        assert_eq!(ended(&lost_at_last(share_mps), false, 1000.0, 0.0), [""; 0]);
+        assert_eq!(ended(&lost_at_last(0.8 * share_mps), false, 1000.0, 0.0).len(), 1);
     }
 
     /// Whoever comes first: the worst is told.
@@ -258,6 +267,19 @@ mod tests {
             let lines: Vec<String> = implausible.notes().collect();
             assert!(lines.len() == 3 && lines.iter().all(|line| line.contains("the worst, \"worst\"")), "{lines:?}");
         }
+    }
+
+    #[test]
+    fn of_two_that_are_as_bad_the_first_is_told() {
+        let watch = driven((0..30).map(|_| [150.0, -4.5, 14.0]));
+        let mut implausible = Implausible::default();
+        for (id, odometer_gap_m) in [("first", Some(2000.0)), ("second", Some(-2000.0))] {
+            let (id, time_s, diverged, speed_mps, distance_m) = (Arc::from(id), 60.0, false, 14.0, 100.0);
+            let watch = &watch;
+            implausible.note(&Ending { id: &id, watch, time_s, diverged, speed_mps, distance_m, odometer_gap_m });
+        }
+        let lines: Vec<String> = implausible.notes().collect();
+        assert!(lines.len() == 3 && lines.iter().all(|line| line.contains("the worst, \"first\"")), "{lines:?}");
     }
 
     #[test]

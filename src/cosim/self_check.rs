@@ -226,7 +226,32 @@ mod tests {
         assert_eq!(change(&|m| m.distance_m = 0.0), [3], "it has never left");
         assert_eq!(change(&|m| m.distance_m = LIGHT_M), [3], "it is to stand before the light");
         assert_eq!(change(&|m| m.speed_mps = if m.time_s < 30.0 { m.speed_mps } else { 0.0 }), [4]);
+        let at_green_only = |m: &mut Moment| {
+            m.speed_mps = if m.time_s == GREEN_S {
+                COMPARED_MPS
+            } else {
+                m.speed_mps.min(if m.time_s > GREEN_S { 9.0 } else { 20.0 })
+            }
+        };
+        assert_eq!(change(&at_green_only), [4], "it has to start when it is green, not to pass then");
         assert_eq!(failed(&drive(), Some(-0.2)), [5]);
         assert_eq!(failed(&[], None), [0, 1, 2, 3, 4, 5]);
+    }
+
+    /// The light is red up to the step that ends at 30 s; the cars drive freely up to the one that ends at 15 s.
+    #[test]
+    fn what_happens_at_the_bounds_of_time_and_speed_is_not_judged() {
+        let at = |time_s: f64, before_mps: f64, sumo_mps: f64| {
+            let mut drive = drive();
+            let moment = drive.iter_mut().find(|m| m.time_s == time_s).unwrap();
+            let (believed_mps, speed_mps) = (before_mps, before_mps + 0.1);
+            *moment = Moment { before_mps, believed_mps, sumo_mps, speed_mps, ..*moment };
+            failed(&drive, Some(0.01))
+        };
+        assert_eq!(at(14.5, 10.0, 99.0), [1], "it is judged here");
+        assert_eq!(at(0.5 * GREEN_S, 10.0, 99.0), [0; 0]);
+        assert_eq!(at(5.0, FREE_MPS, 99.0), [0; 0]);
+        assert_eq!(at(GREEN_S - STANDING_S, 0.0, 0.5), [0; 0]);
+        assert_eq!(at(GREEN_S, 0.0, 0.5), [0; 0]);
     }
 }

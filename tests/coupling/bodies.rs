@@ -146,6 +146,16 @@ fn lanes_are_asked_about_once_and_only_where_bodies_need_them() {
     );
 }
 
+/// It keeps what it has felt last, and nobody asks about a lane without a name.
+#[test]
+fn who_is_on_no_lane_feels_the_last_one() {
+    let mut fake = Fake::new([Car { speed_mps: 10.0, ..Car::new("a", 0, 0) }]);
+    (fake.ahead, fake.nowhere) = (Some((20.0, 20.0)), Some((40.0, 60.0)));
+    let mut world = world(fake, &["coupling.friction=true", "vehicle.preset=car", "vehicle.friction=1"]);
+    step(&mut world, 80);
+    assert_eq!((friction(&world), world.sumo_mut().lanes_asked), (2.0 * FRICTION, 2));
+}
+
 #[test]
 fn a_bend_to_the_left_is_driven_to_the_left() {
     let car = |bend_deg_per_m| Car { speed_mps: 10.0, bend_deg_per_m, ..Car::new("a", 0, 0) };

@@ -116,6 +116,10 @@ pub struct Fake {
     pub lost_in: Option<u64>,
     /// From here on every lane is called `ahead_0`, and has another limit [m, m/s].
     pub ahead: Option<(f64, f64)>,
+    /// The time at which we come [s].
+    pub begins_s: f64,
+    /// Between these places a car is on no lane [m].
+    pub nowhere: Option<(f64, f64)>,
     /// Cars drive the whole step at the speed of its end.
     pub euler: bool,
     /// Questions that were asked, and those that were answered, one by one.
@@ -244,7 +248,7 @@ impl Sumo for Fake {
     async fn join(&mut self) -> Result<Joined, CosimError> {
         let mut present = self.depart();
         present.retain(|id| !self.road[id].carried);
-        Ok(Joined { step_s: STEP_S, time_s: 0.0, expected: 1, present, tells_mass: true })
+        Ok(Joined { step_s: STEP_S, time_s: self.begins_s, expected: 1, present, tells_mass: true })
     }
 
     async fn option(&mut self, _: &str) -> Result<Option<String>, CosimError> {
@@ -289,7 +293,8 @@ impl Sumo for Fake {
         self.drive();
         self.road.retain(|_, driver| driver.car.removed != Some(step));
         let departed = self.depart();
-        let mut events = Events { time_s: step as f64 * STEP_S, expected: 1, departed, ..Events::default() };
+        let mut events =
+            Events { time_s: self.begins_s + step as f64 * STEP_S, expected: 1, departed, ..Events::default() };
         for (id, driver) in &mut self.road {
             if let Some((begins, ends)) = driver.car.teleport {
                 if begins == step && !driver.car.silently {
@@ -342,7 +347,7 @@ impl Sumo for Fake {
         let count = asked.len();
         for (id, question) in asked.drain(..) {
             // A vehicle has not the name of a lane here.
-            self.lanes_asked += usize::from([AHEAD, BEHIND].contains(&&*id));
+            self.lanes_asked += usize::from([AHEAD, BEHIND, ""].contains(&&*id));
             let driver = self.road.get(&*id);
             let mut values = Values { id: &id, driver, world: self, gone: false };
             let answer = question.answer(&mut values);
@@ -391,6 +396,7 @@ impl<'a> Gets<'a> for Values<'a> {
             Domain::Lane if variable == lane::FRICTION.id => {
                 Some(Value::Double(if self.id == AHEAD { 2.0 * FRICTION } else { FRICTION }))
             }
+            Domain::Vehicle if variable == vehicle::LANE.id && self.is_nowhere() => Some(Value::Text("")),
             Domain::Vehicle if variable == vehicle::LANE.id && self.is_ahead() => Some(Value::Text(AHEAD)),
             Domain::Vehicle if variable == vehicle::ROAD.id && self.is_ahead() => Some(Value::Text("ahead")),
             Domain::Vehicle if variable == vehicle::STOP_STATE.id => {
@@ -413,6 +419,11 @@ impl<'a> Gets<'a> for Values<'a> {
 }
 
 impl<'a> Values<'a> {
+    fn is_nowhere(&self) -> bool {
+        let (driver, nowhere) = (self.driver, self.world.nowhere);
+        driver.zip(nowhere).is_some_and(|(driver, (from_m, to_m))| (from_m..to_m).contains(&driver.car.position_m))
+    }
+
     fn is_ahead(&self) -> bool {
         self.driver.is_some_and(|driver| !driver.carried && self.world.is_ahead(&driver.car))
     }

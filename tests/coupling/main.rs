@@ -106,6 +106,7 @@ fn sumo_is_told_what_the_body_drives() {
 fn who_arrives_in_the_step_of_its_departure_has_no_record() {
     let mut world = world(Fake::new([Car { arrives_at_m: 0.0, ..Car::new("a", 0, 2) }]), &[]);
     step(&mut world, 10);
+    assert_eq!(world.sumo_mut().asked, 0, "nobody asks about it");
     let records = end(world);
     assert!(records.finished.is_empty());
     assert_eq!((records.counters.departed, records.counters.arrived), (1, 1));
@@ -472,6 +473,17 @@ fn nothing_is_shown_that_nobody_asked_for() {
     step(&mut world, 50);
     now(world.hand_back()).unwrap();
     assert_eq!(shown(&mut world, "a"), (Vec::new(), BTreeMap::new()));
+}
+
+#[test]
+fn signals_and_colours_are_shown_without_each_other() {
+    let shows = |set: &str| {
+        let mut world = world(Fake::new([Car::new("a", 0, 1)]), &[set]);
+        step(&mut world, 50);
+        let (colours, parameters) = shown(&mut world, "a");
+        [!colours.is_empty(), !parameters.is_empty()]
+    };
+    assert_eq!((shows("sumo.fcd=true"), shows("sumo.gui=true")), ([false, true], [true, false]));
 }
 
 #[test]

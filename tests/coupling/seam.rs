@@ -74,6 +74,16 @@ fn who_decides_less_often_than_sumo_steps_is_told_with_its_drivers_acceleration(
     assert!(differ > 10, "{differ}");
 }
 
+#[test]
+fn who_is_there_when_we_come_counts_from_then_on() {
+    let mut fake = Fake::new([Car::new("a", 0, 0)]);
+    fake.begins_s = 50.0;
+    let mut world = world(fake, &[]);
+    assert_eq!((world.time_s(), world.expected()), (50.0, 1));
+    step(&mut world, 5);
+    assert_eq!(record(&end(world), "a").depart_s, 50.0);
+}
+
 /// It was in a teleport when we came, so nobody has told of it.
 #[test]
 fn who_is_put_down_after_we_came_was_present_and_becomes_an_ego() {
