@@ -28,6 +28,7 @@ const CARRIED: &[(&str, &str)] = carried![
     "disturb.toml",
     "presets/default.toml",
     "presets/best.toml",
+    "presets/printed.toml",
     "presets/step1.toml",
     "presets/step2.toml",
     "presets/step3.toml",
