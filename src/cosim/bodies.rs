@@ -191,13 +191,6 @@ mod tests {
         assert!((mass - 1.2).abs() < 1e-12 && (believed - 1.0).abs() < 1e-12, "{mass} {believed}");
     }
 
-    /// A share of nothing is nothing, not 0/0.
-    #[test]
-    fn a_group_without_torque_stays_without_whatever_its_vehicles_say() {
-        let (setup, _) = built("truck", "v", Some(("torque_factor", "0.5")), &["vehicle.torque_factor=0"]);
-        assert_eq!((setup.body.drive_torque_max_nm, setup.body.brake_torque_max_nm), (0.0, 0.0));
-    }
-
     #[test]
     fn a_factor_of_the_torque_limits_is_not_covered_up() {
         let facts =
