@@ -135,6 +135,7 @@ mod tests {
     use super::*;
     use crate::control::loop_tests::{PERIOD_S, Plant};
     use crate::control::riccati::{apply, dot};
+    use crate::keys::Values;
 
     fn law(delay_s: f64, lag_s: f64, drag_per_m: f64) -> (Lqi, LqiKeys, Lateness) {
         let model = ModelKeys { model_delay_s: Some(delay_s), model_lag_s: Some(lag_s) };
@@ -175,6 +176,55 @@ mod tests {
             reference += PERIOD_S * 0.5;
         }
         assert!(plant.error_mps.abs() < 1e-3, "{}", plant.error_mps);
+    }
+
+    /// The gains are the best for the cost that the keys state: any other ones cost more.
+    #[test]
+    fn law_the_weights_are_those_of_the_keys() {
+        let model = ModelKeys { model_delay_s: None, model_lag_s: Some(0.2) };
+        let keys = LqiKeys { model, error_time_s: 0.7, integral_time_s: 3.0, ..LqiKeys::default() };
+        let late = Lateness::of(&model, PERIOD_S);
+        let (a, b) = vehicle(late, keys.drag_per_m * 20.0);
+        let cost = |k: &Vector<3>| {
+            let (mut x, mut sum) = ([1.0, 0.5, 0.5], 0.0);
+            for _ in 0..10_000 {
+                let u = -dot(k, &x);
+                sum += x[0] * x[0] + (x[2] / 3.0).powi(2) + (0.7 * u).powi(2);
+                let next = apply(&a, &x);
+                x = std::array::from_fn(|i| next[i] + b[i] * u);
+            }
+            sum
+        };
+        let best = gains(&keys, late, 20.0);
+        for i in 0..3 {
+            for factor in [0.99, 1.01] {
+                let mut other = best;
+                other[i] *= factor;
+                assert!(cost(&other) > cost(&best), "gain {i}, {factor}");
+            }
+        }
+    }
+
+    /// The entry schedules the gains as the law is tested here.
+    #[test]
+    fn law_the_entry_has_a_gain_for_each_speed() {
+        let keys = LqiKeys::default();
+        let late = Lateness::of(&keys.model, PERIOD_S);
+        let mut built = (entry().build)(&Values::defaults(entry().keys), PERIOD_S).block().expect("a law");
+        for speed_mps in [0.0, 12.0, 30.0] {
+            built.reset(0, speed_mps);
+            let observation = Observation {
+                measured_mps: [speed_mps + 1.0; LANES],
+                reference_mps: [speed_mps; LANES],
+                nominal_nm_per_mps2: [1.0; LANES],
+                ..Observation::default()
+            };
+            let mut command = Command::default();
+            built.command(&observation, &mut command);
+            // Between two speeds the gain is interpolated.
+            let wanted = -gains(&keys, late, speed_mps + 1.0)[0];
+            assert!((command.torque_nm[0] - wanted).abs() < 1e-4, "{speed_mps}: {} for {wanted}", command.torque_nm[0]);
+        }
     }
 
     #[test]

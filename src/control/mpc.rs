@@ -391,6 +391,37 @@ mod tests {
         assert!(better > 5, "the descent makes the clipped regulator better where it is not the best: {better}");
     }
 
+    /// What is asked for is the descent's first move, for the state that the vehicle is in, wherever a limit acts.
+    #[test]
+    fn law_the_command_is_what_the_descent_finds() {
+        // With a fast law behind a slow actuator the clipped regulator is far from the best.
+        let keys = MpcKeys { error_time_s: 0.1, ..keys(0.0, 1.0) };
+        let mut random = Stream::new(9, "commands", "mpc");
+        let mut better = 0;
+        for _ in 0..200 {
+            let mut mpc = law(&keys);
+            let (y_mps, ahead_mps2) = (20.0 + 3.0 * random.normal(), 3.0 * random.normal());
+            let limits = [-4.0 * random.uniform(), 3.0 * random.uniform()];
+            (0..LANES).for_each(|slot| mpc.reset(slot, y_mps));
+            mpc.model.ahead_mps2 = [ahead_mps2; LANES];
+            (mpc.limits.lowest, mpc.limits.highest) = ([limits[0]; LANES], [limits[1]; LANES]);
+            let observation = Observation {
+                measured_mps: [y_mps; LANES],
+                reference_mps: [20.0; LANES],
+                nominal_nm_per_mps2: [500.0; LANES],
+                ..Observation::default()
+            };
+            let mut command = Command::default();
+            mpc.command(&observation, &mut command);
+            let state = [y_mps - 20.0, ahead_mps2];
+            let (found, start) = (solve(&mpc.law, state, limits)[0], clipped(&mpc.law, state, limits)[0]);
+            let asked_mps2 = command.torque_nm[0] / 500.0;
+            assert!((asked_mps2 - found).abs() < 1e-8, "{state:?} {limits:?}: {asked_mps2} for {found}");
+            better += usize::from((found - start).abs() > 1e-3);
+        }
+        assert!(better > 5, "it differs from the clipped regulator: {better}");
+    }
+
     #[test]
     fn law_the_error_to_be_decays_as_the_regulator_says() {
         // Nothing unknown: each period the predicted error falls by the regulator's gain times a period.

@@ -73,6 +73,33 @@ fn every_controller_rests_at_rest() {
     }
 }
 
+/// Under a constant force that nobody tells them of, the laws come to rest where their input undoes it; what they say of it is that.
+#[test]
+fn law_the_estimate_that_is_told_is_what_the_input_undoes() {
+    for name in ["classic", "adaptive", "calibrating", "mpc"] {
+        let mut controller = build(name, &[]);
+        (0..LANES).for_each(|slot| controller.reset(slot, 20.0));
+        let (mut speed_mps, mut input_mps2) = (20.0, 0.0);
+        for _ in 0..3_000 {
+            let (asked, v) = step(&mut *controller, &observe(speed_mps, 20.0, 0.0));
+            speed_mps += PERIOD_S * (asked[0] - 0.5);
+            input_mps2 = v[0];
+        }
+        let told = controller.f_hat_mps2(0);
+        assert!(input_mps2 > 0.01 && (told + input_mps2).abs() < 0.01, "{name}: {told} and {input_mps2}");
+    }
+}
+
+#[test]
+fn law_the_gain_that_is_told_is_a_ratio() {
+    for alpha_nominal in [0.5, 2.0] {
+        let mut controller = build("adaptive", &[("alpha_nominal", number(alpha_nominal))]);
+        assert_eq!(controller.alpha_ratio(0), 1.0, "{alpha_nominal}");
+        step(&mut *controller, &observe(20.0, 20.0, 0.0));
+        assert_eq!(controller.alpha_ratio(0), 1.0, "{alpha_nominal}");
+    }
+}
+
 #[test]
 fn only_ideal_is_ideal_and_adaptive_is_the_default() {
     assert_eq!(CONTROLLERS[0].name, "adaptive");

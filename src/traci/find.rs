@@ -184,9 +184,9 @@ mod tests {
         let local = at(".sumo");
         let find = |home: Option<&Path>, path: &[PathBuf]| search(home, path, &local, "sumo").map(|found| found.path);
         assert_eq!(find(Some(&at("home")), &[at("bin")]), None);
-        program(site("1.9.0"));
+        ["1.9.0", "1.27.0"].into_iter().for_each(|older| drop(program(site(older))));
         let newest = program(site("1.28.0"));
-        assert_eq!(find(Some(&at("home")), &[at("bin")]), Some(newest), "1.28 is newer than 1.9");
+        assert_eq!(find(Some(&at("home")), &[at("bin")]), Some(newest), "1.28 is newer than 1.9 and 1.27");
         let on_path = program(at("bin/sumo"));
         assert_eq!(find(Some(&at("home")), &[at("bin")]), Some(on_path));
         let home = program(at("home/bin/sumo"));
@@ -206,6 +206,25 @@ mod tests {
         assert_eq!(found.path, real);
         assert_eq!(found.home, Some(root.path().join("venv/lib/python3.12/site-packages/sumo")));
         assert_eq!(find_sumo(Some(&launcher)).unwrap().path, real);
+    }
+
+    /// Only Python knows where its packages are.
+    #[cfg(unix)]
+    #[test]
+    fn a_python_on_the_path_is_asked_for_its_package() {
+        use std::os::unix::fs::PermissionsExt;
+        let root = tempfile::tempdir().unwrap();
+        let (bin, package) = (root.path().join("bin"), root.path().join("package"));
+        let python_says = |what: &str| {
+            std::fs::create_dir_all(&bin).unwrap();
+            std::fs::write(bin.join("python3"), format!("#!/bin/sh\necho {what}\n")).unwrap();
+            std::fs::set_permissions(bin.join("python3"), std::fs::Permissions::from_mode(0o755)).unwrap();
+            search(None, std::slice::from_ref(&bin), &root.path().join("none"), "sumo").map(|found| found.path)
+        };
+        assert_eq!(python_says(package.to_str().unwrap()), None, "it has no program");
+        let binary = program(package.join("bin/sumo"));
+        assert_eq!(python_says(package.to_str().unwrap()), Some(binary));
+        assert_eq!(python_says(""), None);
     }
 
     #[test]
