@@ -16,25 +16,31 @@ const RECORDING: u32 = u32::MAX - 1;
 #[inline]
 pub fn on(number: u32) -> bool {
     match ACTIVE.load(Relaxed) {
-        UNREAD | RECORDING => first_time(number),
+        UNREAD => {
+            read();
+            on(number)
+        }
+        RECORDING => record(number),
         active => active == number,
     }
 }
 
 #[cold]
-fn first_time(number: u32) -> bool {
+fn read() {
+    let active = || std::env::var("MUTANTS_ACTIVE").ok()?.parse().ok();
+    let recording = std::env::var_os("MUTANTS_RECORD").is_some();
+    ACTIVE.store(if recording { RECORDING } else { active().unwrap_or(0) }, Relaxed);
+}
+
+/// Writes a number down when it comes for the first time. At once: a program that is killed later has told where it was.
+fn record(number: u32) -> bool {
     static SEEN: [AtomicBool; 1 << 14] = [const { AtomicBool::new(false) }; 1 << 14];
     static LOG: OnceLock<File> = OnceLock::new();
-    if let Some(path) = std::env::var_os("MUTANTS_RECORD") {
-        ACTIVE.store(RECORDING, Relaxed);
-        if !SEEN[number as usize].swap(true, Relaxed) {
-            // Appended at once: a program that is killed later has told where it was.
-            let mut log = LOG.get_or_init(|| OpenOptions::new().create(true).append(true).open(path).unwrap());
-            log.write_all(format!("{number}\n").as_bytes()).unwrap();
-        }
-        return false;
+    let seen = &SEEN[number as usize];
+    if !seen.load(Relaxed) && !seen.swap(true, Relaxed) {
+        let path = std::env::var_os("MUTANTS_RECORD").unwrap_or_default();
+        let mut log = LOG.get_or_init(|| OpenOptions::new().create(true).append(true).open(path).unwrap());
+        log.write_all(format!("{number}\n").as_bytes()).unwrap();
     }
-    let active = std::env::var("MUTANTS_ACTIVE").ok().and_then(|text| text.parse().ok()).unwrap_or(0);
-    ACTIVE.store(active, Relaxed);
-    active == number
+    false
 }
