@@ -472,4 +472,29 @@ mod tests {
             }
         }
     }
+
+    /// By statics: the wheels carry M g cos, and the lower ones more of it.
+    #[test]
+    fn law_who_stands_on_a_slope_leans_on_the_lower_wheels() {
+        let angle = |x: f64| [libm::sin(x), libm::cos(x)];
+        for car in every_car() {
+            let mut even = car;
+            even.friction = [1.0; 4];
+            let standing = |grade: f64, bank: f64| {
+                let drive = Drive::new(&even, 0.0, 0.0, [angle(0.0), angle(grade), angle(bank)]);
+                peaks::<FourWheels>(&even, &drive, [0.0, 0.0])
+            };
+            let [fl, fr, rl, rr] = standing(0.1, 0.0);
+            let carried = even.mass * GRAVITY_MPS2 * libm::cos(0.1);
+            assert!(((fl + fr + rl + rr) / carried - 1.0).abs() < 1e-12, "{} of {carried}", fl + fr + rl + rr);
+            // Uphill the moment of M g sin about the road is held by the rear wheels, which are lower.
+            let moved = even.pitch_transfer * GRAVITY_MPS2 * libm::sin(0.1);
+            assert!(
+                (rl + rr - 2.0 * even.load[1] * libm::cos(0.1) - 2.0 * moved).abs() < 1e-9 * carried && moved > 0.0
+            );
+            // Banked down to the right.
+            let [fl, fr, rl, rr] = standing(0.0, 0.1);
+            assert!(fr > fl && rr > rl, "{fl} {fr} {rl} {rr}");
+        }
+    }
 }

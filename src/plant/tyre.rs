@@ -186,6 +186,18 @@ mod tests {
     }
 
     #[test]
+    fn five_points_with_slip_are_enough_and_fewer_are_not() {
+        let tyre = Tyre { b: 10.0, c: 1.6, e: 0.5 };
+        let at =
+            |slips: &[f64]| slips.iter().map(|slip| (*slip, 4000.0 * tyre.force_per_peak(*slip))).collect::<Vec<_>>();
+        assert!(identify(&at(&[0.02, 0.06, 0.15, 0.3, 0.6])).is_ok());
+        for few in [&[0.02, 0.06, 0.15, 0.3][..], &[0.0, 0.02, 0.06, 0.15, 0.3]] {
+            let error = identify(&at(few)).unwrap_err();
+            assert!(error.to_string().contains("at least five points"), "{error}");
+        }
+    }
+
+    #[test]
     fn law_identification_finds_the_constants_of_its_own_curve() {
         for tyre in [
             Tyre { b: 10.0, c: 1.65, e: 0.5 },
